@@ -46,12 +46,12 @@ jar=$build/share/ssv_lcmtypes.jar
 java -version >/dev/null 2>&1 || die "no Java runtime" "install one with: apt-get install default-jdk"
 [ -f "$jar" ] || die "the message types for Java are missing: no $jar" \
     "install a Java compiler and build again: apt-get install default-jdk && bash host/demo.sh"
+[ -n "${DISPLAY-}" ] || die "no display: DISPLAY is not set" "run this in a desktop session or over ssh -X"
 java_home=$(java -XshowSettings:properties -version 2>&1 | sed -n 's/^ *java\.home = //p')
 [ -e "$java_home/lib/libawt_xawt.so" ] || die "the Java runtime in $java_home cannot open windows" \
     "install one that can: apt-get install default-jre"
-[ -n "${DISPLAY-}" ] || die "no display: DISPLAY is not set" "run this in a desktop session or over ssh -X"
 "$python" -c 'import sys, lcm; lcm.LCM(sys.argv[1])' "$url" 2>/dev/null || die "cannot listen on $url" \
-    "if the URL is right, this machine has no multicast route; make one with: ip route add 224.0.0.0/4 dev lo"
+    "if the URL is right, the machine has no multicast route; as root: ip link set lo up && ip route add 224.0.0.0/4 dev lo"
 
 # The program behind the wheel's wrapper becomes this process, so that a signal to it ends lcm-spy.
 spy=$("$python" -c 'import lcm; print(lcm.LCM_BIN_DIR + "/lcm-spy")')

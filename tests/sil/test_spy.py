@@ -1,0 +1,235 @@
+"""What a person sees who watches the planner with lcm-spy.
+
+SpyProbe.java does what lcm-spy does with a message, up to the window. It watches a real ssv-plannerd answer a real
+`ssv plan`; what it decodes with the Java types must be what the C programs at the two ends say.
+"""
+
+import json
+import os
+import queue
+import shutil
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+from pathlib import Path
+
+import lcm
+
+BIN = Path(os.environ["SSV_BIN_DIR"])
+SOURCE = Path(os.environ["SSV_SOURCE_DIR"])
+JAVA = os.environ["SSV_JAVA"]
+TYPES_JAR = Path(os.environ["SSV_TYPES_JAR"])
+PROBE_CLASS_PATH = os.environ["SSV_PROBE_CLASS_PATH"]
+
+DEADLINE_S = 60  # generous: reached only when something is broken
+STATUS, PLAN, SCENARIO = "SSV_PLANNER_STATUS", "SSV_PLAN", "SSV_SCENARIO"
+
+
+def free_url():
+    """A multicast URL on a port that no other test listens to."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s:
+        s.bind(("", 0))
+        return f"udpm://239.255.76.67:{s.getsockname()[1]}?ttl=0"
+
+
+class Probe:
+    """SpyProbe on a URL; keeps what it printed."""
+
+    def __init__(self, test, url, class_path):
+        self.test = test
+        self.log = tempfile.TemporaryFile("w+")
+        test.addCleanup(self.log.close)
+        self.process = subprocess.Popen([JAVA, "-Djava.net.preferIPv4Stack=true", "-Djava.awt.headless=true", "-cp", class_path,
+                                         "SpyProbe", url], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.log,
+                                        text=True)
+        test.addCleanup(stop, self.process)
+        self.lines = queue.Queue()
+        threading.Thread(target=self._read, daemon=True).start()
+        self.wait_for("that it listens", lambda m: m.get("listening"))
+
+    def _read(self):
+        for line in self.process.stdout:
+            self.lines.put(json.loads(line))
+        self.lines.put(None)
+
+    def wait_for(self, what, wanted):
+        """The next message that is wanted; the ones before it are dropped."""
+        seen = []
+        end = time.monotonic() + DEADLINE_S
+        while True:
+            try:
+                message = self.lines.get(timeout=max(0.0, end - time.monotonic()))
+            except queue.Empty:
+                message = None
+            if message is None:
+                self.log.seek(0)
+                self.test.fail(f"lcm-spy did not show {what}; it showed {seen[-5:]} and said:\n{self.log.read()}")
+            if wanted(message):
+                return message
+            seen.append(message)
+
+
+def stop(process):
+    for pipe in (process.stdin, process.stdout):
+        if pipe and not pipe.closed:
+            pipe.close()
+    if process.poll() is None:
+        process.terminate()
+    try:
+        process.wait(DEADLINE_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def start_planner(test, url):
+    log = tempfile.TemporaryFile()
+    test.addCleanup(log.close)
+    process = subprocess.Popen([BIN / "ssv-plannerd", "--lcm-url", url], stdin=subprocess.DEVNULL, stderr=log)
+    test.addCleanup(stop, process)
+
+
+def pose(wire):
+    return {"p_IS_m": wire["p_m"], "q_IS": wire["q"]}
+
+
+class WatchingThePlanner(unittest.TestCase):
+    maxDiff = None
+
+    def setUp(self):
+        self.url = free_url()
+
+    def test_lcm_spy_shows_status_question_and_plan_as_the_planner_and_the_asker_have_them(self):
+        probe = Probe(self, self.url, f"{PROBE_CLASS_PATH}:{TYPES_JAR}")
+        start_planner(self, self.url)
+
+        status = probe.wait_for("the status of the idle planner", lambda m: m["channel"] == STATUS)
+        self.assertEqual(status["type"], "ssv.planner_status_t")
+        version = subprocess.run([BIN / "ssv-plannerd", "--version"], capture_output=True, text=True, check=True).stdout
+        self.assertIn(status["fields"]["version"], version.split())
+        self.assertEqual((status["fields"]["received"], status["fields"]["last_request_id"]), (0, 0))
+        self.assertGreaterEqual(status["fields"]["uptime_us"], 0)
+
+        asked = subprocess.run([BIN / "ssv", "plan", SOURCE / "host/scenarios/paper_case.yaml", f"--lcm={self.url}",
+                                "--format", "json"], capture_output=True, text=True, timeout=DEADLINE_S)
+        self.assertEqual(asked.returncode, 0, asked.stderr)
+        received = json.loads(asked.stdout)
+        request_id = received["request_id"]
+
+        scenario = probe.wait_for("the question", lambda m: m["channel"] == SCENARIO)
+        self.assertEqual(scenario["type"], "ssv.scenario_t")
+        self.assert_same_scenario(scenario["fields"], received["scenario"])
+        plan = probe.wait_for("the plan", lambda m: m["channel"] == PLAN)
+        self.assertEqual(plan["type"], "ssv.plan_t")
+        self.assert_same_plan(plan["fields"], received)
+
+        status_after = probe.wait_for("that one scenario was accepted",
+                                      lambda m: m["channel"] == STATUS and m["fields"]["accepted"] > 0)
+        after = status_after["fields"]
+        self.assertEqual((after["accepted"], after["last_request_id"]), (1, request_id))
+        self.assertEqual(after["repeated"], after["received"] - 1)  # the asker may have asked more than once
+        self.assertEqual(after["worst_plan_us"], after["last_plan_us"])
+        self.assertEqual([after[name] for name in after if name.startswith("rejected") or name == "infeasible"], [0] * 8)
+        self.assertGreater(after["uptime_us"], status["fields"]["uptime_us"])
+
+        self.assertEqual((after["scenario_type_hash"], after["plan_type_hash"], after["planner_status_type_hash"]),
+                         (scenario["type_hash"], plan["type_hash"], status_after["type_hash"]))
+
+    def test_without_the_jar_lcm_spy_does_not_know_the_type(self):
+        probe = Probe(self, self.url, PROBE_CLASS_PATH)
+        start_planner(self, self.url)
+        status = probe.wait_for("a status", lambda m: m["channel"] == STATUS)
+        self.assertIsNone(status["type"])
+
+    def test_lcm_spy_does_not_misread_a_message_of_another_version_of_the_type(self):
+        probe = Probe(self, self.url, f"{PROBE_CLASS_PATH}:{TYPES_JAR}")
+        bus = lcm.LCM(self.url)
+        captured = []
+        bus.subscribe(STATUS, lambda channel, data: captured.append(data))
+        start_planner(self, self.url)
+        while not captured:
+            self.assertGreater(bus.handle_timeout(DEADLINE_S * 1000), 0, "no status from the planner")
+        type_hash, = struct.unpack_from(">q", captured[0])
+
+        bus.publish("SAME_TYPE", captured[0])
+        same = probe.wait_for("the captured status", lambda m: m["channel"] == "SAME_TYPE")
+        self.assertEqual((same["type"], same["type_hash"]), ("ssv.planner_status_t", type_hash))
+        bus.publish("OTHER_VERSION", struct.pack(">q", type_hash ^ 1) + captured[0][8:])
+        other = probe.wait_for("the changed status", lambda m: m["channel"] == "OTHER_VERSION")
+        self.assertIsNone(other["type"])
+
+    def assert_same_scenario(self, wire, asked):
+        self.assertEqual((wire["request_id"], wire["epoch_us"]), (asked["request_id"], asked["epoch_us"]))
+        self.assertEqual(wire["vehicle"]["body"] | {"radius_m": wire["vehicle"]["radius_m"],
+                                                    "force_max_N": wire["vehicle"]["force_max_N"],
+                                                    "thrusters": wire["vehicle"]["thruster"]}, asked["vehicle"])
+        self.assertEqual(wire["beam"]["body"] | {name: value for name, value in wire["beam"].items() if name != "body"},
+                         asked["beam"])
+        self.assertEqual(pose(wire["X_IS"]), asked["X_IS"])
+        self.assertEqual(wire["port"], asked["port"])
+        self.assertEqual(wire["options"]["ring_angle_rad"], asked["ring_angle_rad"])
+
+    def assert_same_plan(self, wire, received):
+        self.assertEqual(wire["request_id"], received["request_id"])
+        self.assertEqual((wire["status"], wire["reason"]), (0, ""))
+        self.assertEqual((wire["num_candidates"], wire["num_legs"], wire["num_segments"], wire["num_events"]),
+                         (len(received["candidates"]), len(received["legs"]), len(received["timeline"]["segments"]), 2))
+        self.assertEqual({"J": wire["cost"], "time_s": wire["time_s"], "impulse_Ns": wire["impulse_Ns"]}, received["cost"])
+        self.assertEqual(wire["choice"]["attach_height_m"], received["choice"]["attach_height_m"])
+        self.assertEqual([f"{wire[name] % 2**64:016x}" for name in ("scenario_hash", "plan_hash")],
+                         [received["scenario_hash"], received["plan_hash"]])
+        self.assertEqual([(leg["t_start_s"], leg["duration_s"], leg["peak_speed"], pose(leg["X_IS_end"])) for leg in wire["legs"]],
+                         [(leg["t_start_s"], leg["duration_s"], leg["peak_speed"], leg["pose_end"]) for leg in received["legs"]])
+        self.assertEqual(wire["segments"], received["timeline"]["segments"])
+        self.assertEqual([event["t_s"] for event in wire["events"]], [event["t_s"] for event in received["events"]])
+        self.assertEqual(pose(wire["X_IS_final"]), received["final"]["vehicle"])
+
+
+class OpeningTheWindow(unittest.TestCase):
+    """host/spy.sh up to the point where lcm-spy would open."""
+
+    def setUp(self):
+        self.tree = Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.tree)
+        (self.tree / "host").mkdir()
+        (self.tree / "build").mkdir()
+        shutil.copy(SOURCE / "host/spy.sh", self.tree / "host")
+
+    def spy(self, *arguments):
+        environment = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
+        return subprocess.run(["bash", self.tree / "host/spy.sh", *arguments], env=environment, capture_output=True, text=True,
+                              timeout=DEADLINE_S)
+
+    def assert_says(self, result, exit_code, *words):
+        self.assertEqual(result.returncode, exit_code, result.stderr)
+        for word in words:
+            self.assertIn(word, result.stderr)
+
+    def test_spy_in_a_fresh_clone_says_how_to_build(self):
+        self.assert_says(self.spy(), 1, "not built", "bash host/demo.sh")
+
+    def test_spy_without_the_jar_says_which_package_brings_the_compiler(self):
+        (self.tree / "build/venv").symlink_to(sys.prefix)
+        self.assert_says(self.spy(), 1, "ssv_lcmtypes.jar", "apt-get install default-jdk", "bash host/demo.sh")
+
+    def test_spy_without_a_display_says_so(self):
+        (self.tree / "build/venv").symlink_to(sys.prefix)
+        (self.tree / "build/share").symlink_to(TYPES_JAR.parent)
+        self.assert_says(self.spy(), 1, "no display", "ssh -X")
+
+    def test_spy_explains_itself_when_called_wrongly(self):
+        self.assert_says(self.spy("--url"), 64, 'unknown argument "--url"', "Usage:")
+        self.assert_says(self.spy("--lcm-url"), 64, "needs a URL", "Usage:")
+        help_ = self.spy("--help")
+        self.assertEqual((help_.returncode, help_.stderr), (0, ""))
+        for word in ("--lcm-url", "Example:", "Exit codes:"):
+            self.assertIn(word, help_.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
