@@ -44,9 +44,8 @@ class Probe:
         self.test = test
         self.log = tempfile.TemporaryFile("w+")
         test.addCleanup(self.log.close)
-        self.process = subprocess.Popen([JAVA, "-Djava.net.preferIPv4Stack=true", "-Djava.awt.headless=true", "-cp", class_path,
-                                         "SpyProbe", url], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.log,
-                                        text=True)
+        self.process = subprocess.Popen([JAVA, "-Djava.net.preferIPv4Stack=true", "-cp", class_path, "SpyProbe", url],
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.log, text=True)
         test.addCleanup(stop, self.process)
         self.lines = queue.Queue()
         threading.Thread(target=self._read, daemon=True).start()
@@ -88,9 +87,7 @@ def stop(process):
 
 
 def start_planner(test, url):
-    log = tempfile.TemporaryFile()
-    test.addCleanup(log.close)
-    process = subprocess.Popen([BIN / "ssv-plannerd", "--lcm-url", url], stdin=subprocess.DEVNULL, stderr=log)
+    process = subprocess.Popen([BIN / "ssv-plannerd", "--lcm-url", url], stdin=subprocess.DEVNULL)
     test.addCleanup(stop, process)
 
 
@@ -183,8 +180,10 @@ class WatchingThePlanner(unittest.TestCase):
         self.assertEqual(wire["choice"]["attach_height_m"], received["choice"]["attach_height_m"])
         self.assertEqual([f"{wire[name] % 2**64:016x}" for name in ("scenario_hash", "plan_hash")],
                          [received["scenario_hash"], received["plan_hash"]])
-        self.assertEqual([(leg["t_start_s"], leg["duration_s"], leg["peak_speed"], pose(leg["X_IS_end"])) for leg in wire["legs"]],
-                         [(leg["t_start_s"], leg["duration_s"], leg["peak_speed"], leg["pose_end"]) for leg in received["legs"]])
+        self.assertEqual([(leg["t_start_s"], leg["duration_s"], leg["impulse_Ns"], leg["peak_speed"], pose(leg["X_IS_start"]),
+                           pose(leg["X_IS_end"])) for leg in wire["legs"]],
+                         [(leg["t_start_s"], leg["duration_s"], leg["impulse_Ns"], leg["peak_speed"], leg["pose_start"],
+                           leg["pose_end"]) for leg in received["legs"]])
         self.assertEqual(wire["segments"], received["timeline"]["segments"])
         self.assertEqual([event["t_s"] for event in wire["events"]], [event["t_s"] for event in received["events"]])
         self.assertEqual(pose(wire["X_IS_final"]), received["final"]["vehicle"])
@@ -202,8 +201,8 @@ class OpeningTheWindow(unittest.TestCase):
 
     def spy(self, *arguments):
         environment = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
-        return subprocess.run(["bash", self.tree / "host/spy.sh", *arguments], env=environment, capture_output=True, text=True,
-                              timeout=DEADLINE_S)
+        return subprocess.run(["bash", self.tree / "host/spy.sh", *arguments], env=environment, capture_output=True,
+                              text=True, timeout=DEADLINE_S)
 
     def assert_says(self, result, exit_code, *words):
         self.assertEqual(result.returncode, exit_code, result.stderr)
