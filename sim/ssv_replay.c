@@ -1,0 +1,175 @@
+// ssv-replay: arguments in, table or JSON out.
+#define _DEFAULT_SOURCE
+#include <argp.h>
+#include <errno.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "replay.h"
+
+enum { EXIT_WITHIN = 0, EXIT_OTHER = 1, EXIT_INVALID = 2, EXIT_OUTSIDE = 3, EXIT_USAGE = 64 };
+
+const char* argp_program_version = "ssv-replay " SIM_VERSION;
+
+static const char DOC[] =
+    "Flies a plan open loop in independent 6-DOF physics and prints how far from the task it mates and docks.\v"
+    "PLAN.json is what `ssv plan --format json` writes; - reads it from standard input. The physics knows bodies, drag and "
+    "thrusters from the plan's scenario and nothing of the planner. The beam joins at the mate event as it lies.\n\n"
+    "Examples:\n"
+    "  ssv plan paper_case.yaml --format json | ssv-replay -\n"
+    "  ssv-replay --format json plan.json\n\n"
+    "Exit codes:\n"
+    "  0   every figure is within its tolerance\n"
+    "  2   the plan file is absent, unreadable or invalid, or its status is not ok\n"
+    "  3   a figure is outside its tolerance\n"
+    "  64  wrong usage\n"
+    "  1   anything else, e.g. the output cannot be written";
+
+static const struct argp_option OPTIONS[] = {
+    {"format", 'f', "table|json", 0, "table for people (default) or JSON for scripts", 0},
+    {0},
+};
+
+typedef struct {
+    const char* plan;
+    bool json;
+} arguments_t;
+
+static error_t parse_argument(int key, char* value, struct argp_state* state) {
+    arguments_t* arguments = state->input;
+    switch (key) {
+    case 'f':
+        if (strcmp(value, "table") != 0 && strcmp(value, "json") != 0) {
+            argp_error(state, "--format is table or json, not %s", value);
+        }
+        arguments->json = strcmp(value, "json") == 0;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (arguments->plan != NULL) {
+            argp_error(state, "one plan at a time, please: %s is too many", value);
+        }
+        arguments->plan = value;
+        return 0;
+    case ARGP_KEY_END:
+        if (arguments->plan == NULL) {
+            argp_error(state, "which plan? Give PLAN.json, or - for standard input");
+        }
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+/// One judged figure; table, JSON and verdict all read this.
+typedef struct {
+    const char* group;
+    const char* name;             ///< of its key in JSON, unit included
+    double value, limit;
+} figure_t;
+
+enum { NUM_FIGURES = 11, ARRIVAL_FIGURES = 4 };
+
+static void judge(const plan_file_t* plan, const replay_flight_t* flight, figure_t figure[NUM_FIGURES]) {
+    static const struct { const char* name; double limit; } arrival[ARRIVAL_FIGURES] = {
+        {"position_error_mm", 5}, {"pointing_error_deg", 0.5}, {"speed_m_s", 1e-4}, {"rate_rad_s", 1e-4}};
+    const replay_arrival_t* at[2] = {&flight->mate, &flight->dock};
+    size_t n = 0;
+    for (size_t e = 0; e < 2; e++) {
+        const double value[ARRIVAL_FIGURES] = {at[e]->position_mm, at[e]->pointing_deg, at[e]->speed_m_s, at[e]->rate_rad_s};
+        for (size_t i = 0; i < ARRIVAL_FIGURES; i++) {
+            figure[n++] = (figure_t){e == 0 ? "mate" : "dock", arrival[i].name, value[i], arrival[i].limit};
+        }
+    }
+    // The cost may be zero (a task already done); then any impulse at all is too much.
+    const double difference_Ns = flight->impulse_Ns - plan->impulse_Ns;
+    const double difference_percent = difference_Ns == 0 ? 0 : 100 * difference_Ns / fmax(plan->impulse_Ns, 1e-9);
+    figure[n++] = (figure_t){"thrust", "max_over_force_max", flight->thrust_ratio, 1 + 1e-9};
+    figure[n++] = (figure_t){"impulse", "error_percent", difference_percent, 0.5};
+    figure[n++] = (figure_t){"time", "error_us", 1e6 * (flight->time_s - plan->time_s), 1};
+}
+
+static bool within(const figure_t* figure) { return fabs(figure->value) <= figure->limit; }
+
+static bool print_table(const plan_file_t* plan, const replay_flight_t* flight, const figure_t* figure, double step_s,
+                        double halving_m, double halving_rad) {
+    static const struct { const char* label; const char* unit; } row[ARRIVAL_FIGURES] = {
+        {"position error", "mm"}, {"pointing error", "deg"}, {"residual speed", "m/s"}, {"residual rate", "rad/s"}};
+    const figure_t* thrust = &figure[2 * ARRIVAL_FIGURES];
+    const figure_t* impulse = thrust + 1;
+    const figure_t* time = thrust + 2;
+    printf("Plan %lld, flown open loop\n\n", plan->request_id);
+    printf("  %-16s %12s %12s %12s\n", "", "at mate", "at dock", "limit");
+    for (size_t i = 0; i < ARRIVAL_FIGURES; i++) {
+        printf("  %-16s %12.4g %12.4g %12g %-6s%s\n", row[i].label, figure[i].value, figure[ARRIVAL_FIGURES + i].value,
+               figure[i].limit, row[i].unit, within(&figure[i]) && within(&figure[ARRIVAL_FIGURES + i]) ? "" : " OUTSIDE");
+    }
+    printf("\n  %-16s %12s %12s %12s\n", "", "flown", "planned", "difference");
+    printf("  %-16s %12.9f %12s %12s of F_MAX%s\n", "largest thrust", thrust->value, "<= 1", "", within(thrust) ? "" : " OUTSIDE");
+    printf("  %-16s %12.4f %12.4f %11.4f%% N s%s\n", "impulse", flight->impulse_Ns, plan->impulse_Ns, impulse->value,
+           within(impulse) ? "" : " OUTSIDE, limit 0.5 %");
+    printf("  %-16s %12.6f %12.6f %9.3g us s%s\n", "time", flight->time_s, plan->time_s, time->value,
+           within(time) ? "" : " OUTSIDE, limit 1 us");
+    printf("\n  Steps of %g s; the last halving moved the end by %.1e m, %.1e rad.\n", step_s, halving_m, halving_rad);
+    return fflush(stdout) == 0 && !ferror(stdout);
+}
+
+static bool print_json(const plan_file_t* plan, const replay_flight_t* flight, const figure_t* figure, bool all_within,
+                       double step_s, double halving_m, double halving_rad) {
+    json_t* outside = json_array();
+    json_t* root = json_pack("{s:I, s:b, s:o, s:{}, s:{}, s:{}, s:{s:f, s:f}, s:{s:f, s:f}, s:{s:f, s:f, s:f}}",
+                             "request_id", (json_int_t)plan->request_id, "within_tolerances", all_within, "outside", outside,
+                             "mate", "dock", "thrust",
+                             "impulse", "flown_Ns", flight->impulse_Ns, "planned_Ns", plan->impulse_Ns,
+                             "time", "flown_s", flight->time_s, "planned_s", plan->time_s,
+                             "integration", "step_s", step_s, "halving_moved_m", halving_m, "halving_turned_rad", halving_rad);
+    for (size_t i = 0; i < NUM_FIGURES; i++) {
+        json_object_set_new(json_object_get(root, figure[i].group), figure[i].name, json_real(figure[i].value));
+        if (!within(&figure[i])) {
+            json_array_append_new(outside, json_sprintf("%s.%s", figure[i].group, figure[i].name));
+        }
+    }
+    const bool written = root != NULL && json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) == 0 &&
+                         putchar('\n') != EOF && fflush(stdout) == 0;
+    json_decref(root);
+    return written;
+}
+
+int main(int argc, char** argv) {
+    const struct argp parser = {OPTIONS, parse_argument, "PLAN.json", DOC, NULL, NULL, NULL};
+    arguments_t arguments = {NULL, false};
+    argp_err_exit_status = EXIT_USAGE;
+    argp_parse(&parser, argc, argv, 0, NULL, &arguments);
+
+    plan_file_t plan;
+    char error[1024];
+    if (!plan_file_read(arguments.plan, &plan, error, sizeof error)) {
+        fprintf(stderr, "ssv-replay: %s\n", error);
+        return EXIT_INVALID;
+    }
+    replay_flight_t flight;
+    double step_s, halving_m, halving_rad;
+    const bool converged = replay_fly_converged(&plan, &flight, &step_s, &halving_m, &halving_rad);
+    if (!converged) {
+        fprintf(stderr, "ssv-replay: %s: halving the integration step to %g s still moves the end of the flight by %g m; "
+                        "the craft's time constants are too short for this physics\n", arguments.plan, step_s, halving_m);
+        plan_file_free(&plan);
+        return EXIT_OTHER;
+    }
+    figure_t figure[NUM_FIGURES];
+    judge(&plan, &flight, figure);
+    bool all_within = true;
+    for (size_t i = 0; i < NUM_FIGURES; i++) {
+        all_within = all_within && within(&figure[i]);
+    }
+    const bool written = arguments.json ? print_json(&plan, &flight, figure, all_within, step_s, halving_m, halving_rad)
+                                        : print_table(&plan, &flight, figure, step_s, halving_m, halving_rad);
+    plan_file_free(&plan);
+    if (!written) {
+        fprintf(stderr, "ssv-replay: cannot write the result: %s\n", strerror(errno));
+        return EXIT_OTHER;
+    }
+    return all_within ? EXIT_WITHIN : EXIT_OUTSIDE;
+}
