@@ -1,0 +1,30 @@
+"""What the architecture tests share: where the planner core is and how it is compiled by itself."""
+import os
+import pathlib
+import re
+import subprocess
+
+ROOT = pathlib.Path(os.environ["SSV_SOURCE_DIR"])
+CORE = ROOT / "firmware/planner"
+HERE = pathlib.Path(__file__).parent
+FLAGS = ["-std=c11", "-ffp-contract=off"]
+
+
+def include_flags(root=ROOT):
+    return [f"-I{root}/firmware/include", f"-I{root}/firmware"]
+
+
+def run(command, **options):
+    """Runs a command; when it fails, its output is in the exception's text."""
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, **options)
+    if done.returncode != 0:
+        raise AssertionError(f"{' '.join(map(str, command))}\nended with {done.returncode}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def code_of(text):
+    """C source without comments and with empty string and character literals; lines keep their numbers."""
+    def blank(match):
+        token = match[0]
+        return token[0] * 2 if token[0] in "\"'" else " " + "\n" * token.count("\n")
+    return re.sub(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', blank, text, flags=re.S)

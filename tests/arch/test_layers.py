@@ -1,0 +1,152 @@
+"""Dependency direction: who includes whom, and which words the planner core must not know."""
+import pathlib
+import re
+import shutil
+import tempfile
+import unittest
+
+from core import ROOT, code_of
+
+CORE_API = ("firmware/include/ssv/planner.h", "firmware/include/ssv/real.h", "firmware/include/ssv/vec3.h")
+ANSWER_API = "firmware/include/ssv/answer.h"
+
+# What each folder may include beside its own files and the C and POSIX headers: folders, public headers, libraries.
+MAY_INCLUDE = {
+    "firmware/include/ssv": {*CORE_API, "lcmtypes"},
+    "firmware/planner": {*CORE_API},
+    "firmware/daemon": {*CORE_API, ANSWER_API, "lcmtypes", "lcm"},
+    "host": {*CORE_API, ANSWER_API, "lcmtypes", "lcm", "cyaml", "jansson"},
+    "sim": {"jansson"},
+}
+LIBRARIES = {"lcm": r"lcm/", "cyaml": r"cyaml/", "jansson": r"jansson", "mavlink": r"mavlink|common/mavlink", "glib": r"glib"}
+INCLUDE_ROOTS = ("firmware/include", "firmware", "sim", "host")
+
+CORE_SYSTEM_HEADERS = {"assert.h", "float.h", "limits.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
+LEAVES = {"alloc", "body", "profile"}
+NOT_IN_CORE = {
+    "heap": r"\b(?:malloc|calloc|realloc|free|alloca)\s*\(",
+    "input or output": r"\b(?:\w*printf|\w*scanf|f?puts|putchar|fopen|fwrite|fread|perror)\s*\(|\b(?:FILE|stdin|stdout|stderr)\b",
+    "operating system": r"\b(?:time|clock\w*|rand\w*|srand|getenv|exit|abort|signal|system|errno)\s*\(",
+    "middleware": r"\b(?:lcm|mavlink)_\w+",
+    "libm past real.h": r"\b(?:a?(?:sin|cos|tan)h?|atan2|sqrt|cbrt|hypot|exp[2m]?1?|log(?:2|10|1p|b)?|pow|fabs|fma|fmin|fmax|fmod|"
+                        r"floor|ceil|round|trunc|l?lround|nextafter|copysign|isnan|isinf|isfinite)[fl]?\s*\(",
+    "a scalar other than real_t": r"\b(?:float|double)\b",
+}
+
+
+def folder_of(path):
+    return next((folder for folder in MAY_INCLUDE if path.startswith(folder + "/")), None)
+
+
+def resolve(root, source, name):
+    """The file or generated folder that #include "name" means in `source`, as a path below root; None when unknown."""
+    if re.fullmatch(r"(?:lcm_)?ssv_\w+_t\.h", name):
+        return "lcmtypes"
+    for base in (pathlib.PurePosixPath(source).parent, *INCLUDE_ROOTS):
+        if (root / base / name).is_file():
+            return (root / base / name).resolve().relative_to(root.resolve()).as_posix()
+    return None
+
+
+def module_of(path):
+    return path.rpartition(".")[0]
+
+
+def cycles(edges):
+    """Modules that reach themselves along edges {module: {module}}."""
+    found = []
+    for start in edges:
+        todo, seen = list(edges[start]), set()
+        while todo:
+            module = todo.pop()
+            if module not in seen:
+                seen.add(module)
+                todo += edges.get(module, ())
+        if start in seen:
+            found.append(start)
+    return found
+
+
+def violations(root):
+    """Every breach of the rules in the tree at root, one sentence each."""
+    found, modules = [], {}
+    for file in sorted(f for folder in MAY_INCLUDE for f in (root / folder).glob("**/*.[ch]")):
+        path = file.relative_to(root).as_posix()
+        folder, text = folder_of(path), file.read_text()
+        edges = modules.setdefault(module_of(path), set())
+        for mark, name in re.findall(r'(?m)^\s*#\s*include\s*([<"])([^>"]+)[>"]', text):
+            library = next((lib for lib, pattern in LIBRARIES.items() if re.match(pattern, name)), None)
+            target = library if library else resolve(root, path, name) if mark == '"' else None
+            if target is None:
+                if mark == '"':
+                    found.append(f'{path}: "{name}" is in no folder that may be included')
+                elif folder == "firmware/planner" and name not in CORE_SYSTEM_HEADERS:
+                    found.append(f"{path}: <{name}> is not for the core")
+                elif name == "math.h" and folder.startswith("firmware/include") and not path.endswith("/real.h"):
+                    found.append(f"{path}: <math.h> is for real.h alone")
+                continue
+            allowed = MAY_INCLUDE[folder] | {folder}
+            if target not in allowed and folder_of(target) != folder:
+                found.append(f"{path}: must not include {target}")
+            if path in CORE_API and target not in CORE_API:
+                found.append(f"{path}: the core's headers stand by themselves, without {target}")
+            if module_of(target) != module_of(path) and target.endswith(".h"):
+                edges.add(module_of(target))
+            if path.startswith("firmware/planner/") and target.startswith("firmware/planner/"):
+                pair = pathlib.PurePosixPath(path).stem, pathlib.PurePosixPath(target).stem
+                if pair[0] != pair[1] and set(pair) <= LEAVES:
+                    found.append(f"{path}: {pair[0]} and {pair[1]} must not know one another")
+        if folder == "firmware/planner":
+            for number, line in enumerate(code_of(text).splitlines(), 1):
+                found += [f"{path}:{number}: {what} in the core: {match[0].strip()}"
+                          for what, pattern in NOT_IN_CORE.items() if (match := re.search(pattern, line))]
+    return found + [f"{module}: includes itself through other modules" for module in cycles(modules)]
+
+
+class Layers(unittest.TestCase):
+    def test_every_include_points_down_and_the_core_knows_neither_heap_nor_io_nor_middleware(self):
+        self.assertEqual(violations(ROOT), [])
+
+    def test_each_rule_finds_its_planted_breach(self):
+        planted = {
+            ("firmware/planner/body.c", '#include "planner/alloc.h"'): "must not know one another",
+            ("firmware/planner/alloc.h", '#include "planner/planned.h"'): "in no folder",
+            ("firmware/planner/leg.c", '#include "ssv/answer.h"'): "must not include",
+            ("firmware/planner/leg.c", '#include "lcm_ssv_plan_t.h"'): "must not include lcmtypes",
+            ("firmware/planner/leg.c", "#include <lcm/lcm.h>"): "must not include lcm",
+            ("firmware/planner/leg.c", "#include <math.h>"): "is not for the core",
+            ("firmware/planner/leg.c", "#include <stdio.h>"): "is not for the core",
+            ("firmware/planner/alloc.h", '#include "planner/leg.h"'): "includes itself",
+            ("firmware/planner/leg.c", "void* p = malloc(3);"): "heap in the core",
+            ("firmware/planner/leg.c", "void f(void) { snprintf(0, 0, \"x\"); }"): "input or output in the core",
+            ("firmware/planner/leg.c", "FILE* f;"): "input or output in the core",
+            ("firmware/planner/leg.c", "long f(void) { return time(0); }"): "operating system in the core",
+            ("firmware/planner/leg.c", "int f(mavlink_message_t* m);"): "middleware in the core",
+            ("firmware/planner/leg.c", "real_t f(real_t x) { return sqrt(x); }"): "libm past real.h",
+            ("firmware/planner/leg.c", "static const double x = 1;"): "a scalar other than real_t",
+            ("firmware/include/ssv/vec3.h", "#include <math.h>"): "for real.h alone",
+            ("firmware/include/ssv/planner.h", '#include "lcm_ssv_plan_t.h"'): "stand by themselves",
+            ("firmware/daemon/answer.c", '#include "planner/leg.h"'): "must not include firmware/planner/leg.h",
+            ("host/planted.c", '#include "planner/leg.h"'): "must not include firmware/planner/leg.h",
+            ("host/planted.c", '#include "rigid_body.h"'): "must not include sim/rigid_body.h",
+            ("sim/planted.c", '#include "ssv/vec3.h"'): "must not include firmware/include/ssv/vec3.h",
+            ("sim/planted.c", '#include "planner/leg.h"'): "must not include firmware/planner/leg.h",
+        }
+        for (path, line), expected in planted.items():
+            with self.subTest(path=path, line=line), tempfile.TemporaryDirectory() as scratch:
+                tree = pathlib.Path(scratch)
+                for folder in MAY_INCLUDE:
+                    for file in (ROOT / folder).glob("**/*.[ch]"):
+                        copy = tree / file.relative_to(ROOT)
+                        copy.parent.mkdir(parents=True, exist_ok=True)
+                        shutil.copy(file, copy)
+                with open(tree / path, "a") as file:
+                    file.write("\n" + line + "\n")
+                self.assertIn(expected, "\n".join(violations(tree)))
+
+    def test_words_in_comments_and_strings_do_not_count(self):
+        self.assertEqual(code_of('a /* malloc(1) \n */ b // FILE\n "exit(1)" c').split(), ["a", "b", '""', "c"])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,64 @@
+"""The planner's archive as the linker sees it: what it needs from outside, and that it holds no state."""
+import os
+import pathlib
+import re
+import tempfile
+import unittest
+
+from core import ROOT, run
+
+ARCHIVE = os.environ["SSV_PLANNER_ARCHIVE"]
+# The memory functions that a compiler may call by itself, asserts, and what position-independent or hardened code refers to.
+OTHERS = {"memcpy", "memset", "memmove", "memcmp", "__assert_fail", "__stack_chk_fail", "_GLOBAL_OFFSET_TABLE_"}
+
+
+def libm_of_real_h():
+    """The libm functions that real.h passes on: calls in it to names that do not begin with real_."""
+    text = (ROOT / "firmware/include/ssv/real.h").read_text()
+    return set(re.findall(r"(?:return|=)\s+((?!real_|is)[a-z]\w*)\(", text))
+
+
+def breaches(archive):
+    """Undefined symbols that are not on the list, and symbols of writable data."""
+    defined, undefined, writable = set(), set(), set()
+    for line in run(["nm", archive]).splitlines():
+        match = re.match(r"(?:[0-9a-f]+)?\s+([A-Za-z])\s+(\S+)$", line)
+        if not match:
+            continue
+        kind, name = match.groups()
+        (undefined if kind in "Uwv" else defined).add(name)
+        if kind in "dDbBCsSgG":
+            writable.add(name)
+    return {"undefined": sorted(undefined - defined - OTHERS - libm_of_real_h()), "writable": sorted(writable)}
+
+
+class Symbols(unittest.TestCase):
+    def archive_of(self, source):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        folder = pathlib.Path(scratch.name)
+        (folder / "a.c").write_text(source)
+        run([os.environ["CC"], "-O2", "-c", "a.c", "-o", "a.o"], cwd=folder)
+        run(["ar", "rcs", "a.a", "a.o"], cwd=folder)
+        return folder / "a.a"
+
+    def test_archive_needs_the_libm_of_real_h_and_memory_functions_alone_and_holds_no_state(self):
+        self.assertIn("sqrt", libm_of_real_h())
+        self.assertEqual(breaches(ARCHIVE), {"undefined": [], "writable": []})
+
+    def test_heap_stdio_other_libm_and_state_are_found(self):
+        planted = {
+            "#include <stdlib.h>\nvoid* f(void) { return malloc(3); }": ("undefined", "malloc"),
+            "#include <stdio.h>\nint f(int x) { return printf(\"%d\", x); }": ("undefined", "printf"),
+            "#include <math.h>\ndouble f(double x) { return pow(x, 0.3); }": ("undefined", "pow"),
+            "void* lcm_create(const char*);\nvoid* f(void) { return lcm_create(0); }": ("undefined", "lcm_create"),
+            "int f(void) { static int count; return count++; }": ("writable", "count"),
+            "int seed = 4;": ("writable", "seed"),
+        }
+        for source, (kind, name) in planted.items():
+            with self.subTest(source=source):
+                self.assertIn(name, " ".join(breaches(self.archive_of(source))[kind]))
+
+
+if __name__ == "__main__":
+    unittest.main()
