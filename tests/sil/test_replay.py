@@ -1,0 +1,334 @@
+"""ssv-replay flies plans in physics of its own and judges them against the task.
+
+The hand-made plan below is exact without any solver: when speed runs on straight lines in time, linear drag needs thrust on
+straight lines in time, which is what a segment holds. So its errors must vanish, and a known change must show as known errors.
+"""
+import copy
+import json
+import math
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+BIN = Path(os.environ["SSV_BIN_DIR"])
+SCENARIOS = sorted((Path(os.environ["SSV_SOURCE_DIR"]) / "host" / "scenarios").glob("*.yaml"))
+
+R_S = 0.3
+FORCE_MAX_N = 6.0
+MASS_KG, INERTIA_KG_M2, DRAG_KG_S, DRAG_NM_S = 76.0, 2.7, 40.0, 0.5
+BEAM_MASS_KG, BEAM_LENGTH_M = 11.0, 3.0
+STANDOFF_M = 0.36
+LIMITS = {"position_error_mm": 5, "pointing_error_deg": 0.5, "speed_m_s": 1e-4, "rate_rad_s": 1e-4}
+
+
+def body(mass_kg, inertia_kg_m2, lin=0.0, lin_ang=0.0):
+    return {"mass_kg": mass_kg, "inertia_kg_m2": inertia_kg_m2, "added_mass_kg": [0.0, 0.0, 0.0], "drag_lin_kg_s": lin,
+            "drag_quad_kg_m": 0.0, "drag_lin_ang_Nm_s": lin_ang, "drag_quad_ang_Nm_s2": 0.0}
+
+
+def triangle(length, inertia, drag, push_per_thruster, duration_s):
+    """Two segments of thrust for a speed that rises and falls on straight lines: (duration, thrust at start, at end) each."""
+    half_s = duration_s / 2
+    rate = length / half_s ** 2
+    return [(half_s, inertia * rate / push_per_thruster, (inertia * rate + drag * rate * half_s) / push_per_thruster),
+            (half_s, (-inertia * rate + drag * rate * half_s) / push_per_thruster, -inertia * rate / push_per_thruster)]
+
+
+def hand_made_plan():
+    """A quarter turn about z, 4 m along x to the beam, then 2 m along x with it: the push goes through both centres."""
+    turn = [(d, (0, 0, a, a, 0, 0), (0, 0, b, b, 0, 0)) for d, a, b in
+            triangle(math.pi / 2, INERTIA_KG_M2, DRAG_NM_S, 2 * R_S, 8)]
+    transit = [(d, (a, -a, 0, 0, 0, 0), (b, -b, 0, 0, 0, 0)) for d, a, b in triangle(4.0, MASS_KG, DRAG_KG_S, 2, 60)]
+    transfer = [(d, (a, -a, 0, 0, 0, 0), (b, -b, 0, 0, 0, 0)) for d, a, b in
+                triangle(2.0, MASS_KG + BEAM_MASS_KG, DRAG_KG_S, 2, 40)]
+    segments, t_s, impulse_Ns = [], 0.0, 0.0
+    for leg, pieces in enumerate([turn, transit, transfer]):
+        for duration_s, start, end in pieces:
+            segments.append({"t_s": t_s, "duration_s": duration_s, "u_start_N": list(start), "u_end_N": list(end), "leg": leg})
+            t_s += duration_s
+            for a, b in zip(start, end):
+                crossing = a / (a - b) if a * b < 0 else None
+                impulse_Ns += duration_s / 2 * (abs(a) + abs(b) if crossing is None else
+                                                abs(a) * crossing + abs(b) * (1 - crossing))
+    directions = [([0, 0, 1], [1, 0, 0]), ([0, 0, -1], [-1, 0, 0]), ([1, 0, 0], [0, 1, 0]), ([-1, 0, 0], [0, -1, 0]),
+                  ([0, 1, 0], [0, 0, 1]), ([0, -1, 0], [0, 0, -1])]
+    half = math.sqrt(0.5)
+    return {
+        "status": "ok", "reason": "", "request_id": 7,
+        "cost": {"J": t_s, "time_s": t_s, "impulse_Ns": impulse_Ns},
+        "choice": {"beam_contact": 2, "attach_height_m": 0.0, "ring_angle_rad": math.pi, "candidates": 1},
+        "legs": [{"phase": "transit"}, {"phase": "transit"}, {"phase": "transfer"}],
+        "timeline": {"segments": segments},
+        "events": [{"t_s": 68.0, "kind": "mate"}, {"t_s": 108.0, "kind": "dock"}],
+        "scenario": {
+            "vehicle": dict(body(MASS_KG, [INERTIA_KG_M2] * 3, DRAG_KG_S, DRAG_NM_S), radius_m=R_S, force_max_N=FORCE_MAX_N,
+                            thrusters=[{"p_ST_m": [R_S * x for x in r], "n_T_S": n} for r, n in directions]),
+            "beam": dict(body(BEAM_MASS_KG, [8.8, 8.8, 0.04]), radius_m=0.06, length_m=BEAM_LENGTH_M, drag_strip_kg_m2=0.0),
+            "X_IS": {"p_IS_m": [1.0, 2.0, 3.0], "q_IS": [half, 0.0, 0.0, -half]},
+            "X_IB": {"p_IB_m": [1.0 + 4.0 + STANDOFF_M, 2.0, 3.0], "q_IB": [1.0, 0.0, 0.0, 0.0]},
+            "port": {"p_IP_m": [1.0 + 6.0 + STANDOFF_M, 2.0, 3.0 + BEAM_LENGTH_M / 2], "axis_I": [0.0, 0.0, -1.0]},
+            "contact": 0, "standoff_m": STANDOFF_M, "weights": {"time": 1.0, "impulse": 0.0},
+            "attach_heights_m": [0.0], "ring_angle_rad": None, "method": "paper"},
+    }
+
+
+def replay(plan, *options):
+    text = plan if isinstance(plan, (str, bytes)) else json.dumps(plan)
+    return subprocess.run([BIN / "ssv-replay", *options, "-"], input=text if isinstance(text, bytes) else text.encode(),
+                          capture_output=True, timeout=300, check=False)
+
+
+def changed(path, value):
+    """The hand-made plan with the value at a path such as ("scenario", "beam", "mass_kg") replaced, or removed if None."""
+    plan = hand_made_plan()
+    place = plan
+    for key in path[:-1]:
+        place = place[key]
+    if value is None:
+        del place[path[-1]]
+    else:
+        place[path[-1]] = value(place[path[-1]]) if callable(value) else value
+    return plan
+
+
+class HandMadePlan(unittest.TestCase):
+    def judged(self, plan, code):
+        run = replay(plan, "--format", "json")
+        self.assertEqual(run.returncode, code, run.stderr.decode())
+        result = json.loads(run.stdout)
+        self.assertEqual(result["within_tolerances"], code == 0)
+        self.assertEqual(bool(result["outside"]), code == 3)
+        return result
+
+    def test_an_exact_plan_arrives_exactly(self):
+        result = self.judged(hand_made_plan(), 0)
+        for event in ("mate", "dock"):
+            # Rounding of some 10^4 steps; the physics itself has no error here worth naming.
+            self.assertLess(result[event]["position_error_mm"], 1e-6)
+            self.assertLess(result[event]["pointing_error_deg"], 1e-7)
+            self.assertLess(result[event]["speed_m_s"], 1e-10)
+            self.assertLess(result[event]["rate_rad_s"], 1e-10)
+        self.assertLess(abs(result["impulse"]["error_percent"]), 1e-10)
+        self.assertLess(abs(result["time"]["error_us"]), 1e-6)
+        self.assertLess(result["integration"]["halving_moved_m"], 1e-6)
+
+    def test_errors_are_measured_against_the_task_in_the_units_named(self):
+        tilt = math.radians(0.4)
+        for path, value, event, name, expected, code in [
+                # a beam and a port elsewhere, by a known distance
+                (("scenario", "port", "p_IP_m", 1), lambda y: y + 0.004, "dock", "position_error_mm", 4.0, 0),
+                (("scenario", "port", "p_IP_m", 1), lambda y: y + 0.006, "dock", "position_error_mm", 6.0, 3),
+                (("scenario", "X_IB", "p_IB_m", 2), lambda z: z + 0.006, "mate", "position_error_mm", 6.0, 3),
+                (("scenario", "standoff_m"), STANDOFF_M + 0.004, "mate", "position_error_mm", 4.0, 0),
+                # a port that looks elsewhere, by a known angle
+                (("scenario", "port", "axis_I"), [0.0, math.sin(tilt), -math.cos(tilt)], "dock", "pointing_error_deg", 0.4, 0),
+                (("scenario", "port", "axis_I"), [0.0, math.sin(1.5 * tilt), -math.cos(1.5 * tilt)], "dock",
+                 "pointing_error_deg", 0.6, 3),
+                (("choice", "ring_angle_rad"), math.pi - 2 * tilt, "mate", "pointing_error_deg", 0.8, 3),
+                # docking the wrong end: a beam's length away, and backwards
+                (("choice", "beam_contact"), 1, "dock", "position_error_mm", 1000 * BEAM_LENGTH_M, 3),
+                (("choice", "beam_contact"), 1, "dock", "pointing_error_deg", 180.0, 3),
+        ]:
+            with self.subTest(path=path, value=value):
+                self.assertAlmostEqual(self.judged(changed(path, value), code)[event][name], expected, delta=1e-6 * expected)
+
+    def test_a_beam_that_mates_askew_docks_askew(self):
+        tilt = math.radians(0.2)
+        plan = changed(("scenario", "X_IB", "q_IB"), [math.cos(tilt / 2), math.sin(tilt / 2), 0.0, 0.0])
+        dock = self.judged(plan, 3)["dock"]
+        self.assertAlmostEqual(dock["pointing_error_deg"], 0.2, delta=1e-4)
+        self.assertAlmostEqual(dock["position_error_mm"], 1000 * BEAM_LENGTH_M * math.sin(tilt / 2), delta=0.01)
+
+    def test_impulse_left_over_shows_as_residual_speed(self):
+        extra_Ns = 0.2
+        plan = hand_made_plan()
+        last = plan["timeline"]["segments"][-1]
+        for thruster, sign in ((0, 1), (1, -1)):
+            last["u_start_N"][thruster] += sign * extra_Ns / 2 / last["duration_s"]
+            last["u_end_N"][thruster] += sign * extra_Ns / 2 / last["duration_s"]
+        mass_kg, duration_s = MASS_KG + BEAM_MASS_KG, last["duration_s"]
+        # Constant extra force against linear drag: v = f/c (1 - exp(-c t/m)).
+        expected = extra_Ns / duration_s / DRAG_KG_S * -math.expm1(-DRAG_KG_S * duration_s / mass_kg)
+        self.assertAlmostEqual(self.judged(plan, 3)["dock"]["speed_m_s"], expected, delta=1e-9)
+
+    def test_figures_that_the_plan_claims_are_compared_with_those_flown(self):
+        for path, value, outside in [
+                (("cost", "impulse_Ns"), lambda f: 1.004 * f, None),
+                (("cost", "impulse_Ns"), lambda f: 1.006 * f, "impulse.error_percent"),
+                (("cost", "time_s"), lambda t: t + 0.9e-6, None),
+                (("cost", "time_s"), lambda t: t - 1.1e-6, "time.error_us")]:
+            with self.subTest(path=path, outside=outside):
+                self.assertEqual(self.judged(changed(path, value), 0 if outside is None else 3)["outside"],
+                                 [] if outside is None else [outside])
+
+    def test_thrust_above_the_limit_is_outside_even_by_a_hair(self):
+        largest = max(abs(u) for s in hand_made_plan()["timeline"]["segments"] for u in s["u_start_N"] + s["u_end_N"])
+        place = ("scenario", "vehicle", "force_max_N")
+        self.assertEqual(self.judged(changed(place, largest), 0)["thrust"]["max_over_force_max"], 1.0)
+        self.assertEqual(self.judged(changed(place, largest * (1 - 1e-8)), 3)["outside"], ["thrust.max_over_force_max"])
+
+    def test_the_flight_turns_with_the_world(self):
+        """The whole scene turned by any rotation gives the same figures: nothing depends on the inertial axes."""
+        plan = changed(("scenario", "port", "p_IP_m", 1), lambda y: y + 0.004)
+        turned = copy.deepcopy(plan)
+        q = [0.1, -0.5, 0.5, 0.7]  # of length 1
+
+        def product(a, b):
+            return [a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+                    a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1], a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]]
+
+        def rotate(v):
+            return product(product(q, [0.0, *v]), [q[0], -q[1], -q[2], -q[3]])[1:]
+
+        scene = turned["scenario"]
+        for pose, p, att in (("X_IS", "p_IS_m", "q_IS"), ("X_IB", "p_IB_m", "q_IB")):
+            scene[pose][p], scene[pose][att] = rotate(scene[pose][p]), product(q, scene[pose][att])
+        scene["port"] = {"p_IP_m": rotate(scene["port"]["p_IP_m"]), "axis_I": rotate(scene["port"]["axis_I"])}
+        self.assertAlmostEqual(self.judged(turned, 0)["dock"]["position_error_mm"],
+                               self.judged(plan, 0)["dock"]["position_error_mm"], delta=1e-6)
+
+
+class BadPlanFile(unittest.TestCase):
+    def refused(self, plan, *words):
+        run = replay(plan)
+        self.assertEqual(run.returncode, 2, run.stdout.decode() + run.stderr.decode())
+        self.assertEqual(run.stdout, b"")
+        message = run.stderr.decode()
+        self.assertEqual(message.count("\n"), 1, message)
+        for word in ("standard input", *words):
+            self.assertIn(word, message)
+
+    def test_a_file_that_is_not_json_is_refused_with_its_line(self):
+        for text in ("", "{", "\x00\x01\xff", '{"status": "ok",\n "status": "ok"}', "[" * 100000, '{"cost": NaN}', "{}{}"):
+            with self.subTest(text=text[:20]):
+                self.refused(text.encode("latin-1"), "line ", "not a plan in JSON")
+
+    def test_json_that_is_not_a_plan_is_refused_with_what_is_missing(self):
+        self.refused("[]", "status")
+        self.refused("{}", "status: is missing")
+        self.refused({"status": "infeasible", "reason": "too far"}, "only an \"ok\" plan can be flown", "too far")
+
+    def test_every_key_that_the_replay_needs_is_missed_by_name(self):
+        plan, paths = hand_made_plan(), []
+
+        def walk(value, path):
+            for key in (value if isinstance(value, dict) else range(len(value)) if isinstance(value, list) else ()):
+                paths.append(path + (key,))
+                walk(value[key], path + (key,))
+
+        walk(plan, ())
+        not_read = {("reason",), ("cost", "J"), ("choice", "candidates"), ("scenario", "weights"),
+                    ("scenario", "weights", "time"), ("scenario", "weights", "impulse"), ("scenario", "method"),
+                    ("scenario", "vehicle", "radius_m"), ("scenario", "beam", "radius_m"),
+                    ("scenario", "attach_heights_m", 0)}
+        for path in paths:
+            if path in not_read:
+                continue
+            with self.subTest(path=path):
+                run = replay(changed(path, None))
+                self.assertEqual(run.returncode, 2, run.stdout.decode())
+                names = [key for key in path if isinstance(key, str)]
+                self.assertTrue(any(name in run.stderr.decode() for name in names), run.stderr.decode())
+
+    def test_values_that_make_no_sense_are_refused_with_their_path(self):
+        for path, value, *words in [
+                (("scenario", "vehicle", "mass_kg"), 0, "scenario.vehicle.mass_kg: 0 is outside"),
+                (("scenario", "vehicle", "mass_kg"), "heavy", "scenario.vehicle.mass_kg: must be a number"),
+                (("scenario", "beam", "inertia_kg_m2", 1), -1, "scenario.beam.inertia_kg_m2[1]: -1 is outside"),
+                (("scenario", "beam", "drag_strip_kg_m2"), 1e300, "scenario.beam.drag_strip_kg_m2"),
+                (("scenario", "X_IS", "q_IS"), [1, 0, 0, 0.1], "scenario.X_IS.q_IS: has length 1.00498756, must be 1"),
+                (("scenario", "X_IB", "q_IB"), [0, 0, 0, 0], "scenario.X_IB.q_IB: has length 0"),
+                (("scenario", "port", "axis_I"), [0, 0, 0.5], "scenario.port.axis_I"),
+                (("scenario", "vehicle", "thrusters", 3, "n_T_S"), [1, 1, 0], "scenario.vehicle.thrusters[3].n_T_S"),
+                (("scenario", "vehicle", "thrusters"), [], "scenario.vehicle.thrusters: must be a list of 6"),
+                (("scenario", "vehicle", "thrusters"), 6, "scenario.vehicle.thrusters: must be a list"),
+                (("scenario", "attach_heights_m"), [1.5, -1.5], "choice.attach_height_m: 0 is not among"),
+                (("scenario", "contact"), 1, "choice.beam_contact: 2 is not the 1"),
+                (("scenario", "ring_angle_rad"), 0.5, "choice.ring_angle_rad"),
+                (("choice", "beam_contact"), 3, "choice.beam_contact: 3 is neither"),
+                (("choice", "attach_height_m"), 2.0, "choice.attach_height_m"),
+                (("timeline", "segments", 2, "t_s"), 8.1, "timeline.segments[2]: starts at t_s 8.1, must start at 8"),
+                (("timeline", "segments", 2, "duration_s"), 0, "timeline.segments[2]: duration_s must be positive"),
+                (("timeline", "segments", 1, "leg"), 3, "timeline.segments[1]: leg 3"),
+                (("timeline", "segments", 2, "leg"), 0.5, "timeline.segments[2].leg: must be a whole number"),
+                (("timeline", "segments", 4, "leg"), 0, "timeline.segments[4]: leg 0"),
+                (("timeline", "segments", 1, "u_end_N"), [1, 2, 3], "timeline.segments[1].u_end_N: must be a list of 6"),
+                (("timeline", "segments", 1, "u_end_N", 5), "full", "timeline.segments[1].u_end_N[5]: must be a number"),
+                (("legs", 1, "phase"), "transfer", "legs[1]: must be of phase \"transit\""),
+                (("events", 0, "t_s"), 67.0, "events[0]: t_s 67 is not where a timeline segment ends"),
+                (("events", 1, "t_s"), 88.0, "events[1]: must be where the timeline ends, at t_s 108"),
+                (("events", 0, "kind"), "dock", "events[0]: must be of kind \"mate\""),
+                (("events",), [], "events: must be two"),
+                (("cost", "time_s"), -1, "cost.time_s: -1 is outside"),
+        ]:
+            with self.subTest(path=path, value=value):
+                self.refused(changed(path, value), *words)
+
+    def test_a_file_that_cannot_be_read_is_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for path in (folder, os.path.join(folder, "absent.json")):
+                run = subprocess.run([BIN / "ssv-replay", path], capture_output=True, timeout=60, check=False)
+                self.assertEqual(run.returncode, 2)
+                self.assertIn(path, run.stderr.decode())
+
+
+class CommandLine(unittest.TestCase):
+    def test_help_shows_examples_and_exit_codes(self):
+        run = subprocess.run([BIN / "ssv-replay", "--help"], capture_output=True, timeout=60, check=True)
+        for word in (b"Examples:", b"Exit codes:", b"64"):
+            self.assertIn(word, run.stdout)
+
+    def test_wrong_usage_exits_with_64(self):
+        for arguments in ([], ["a", "b"], ["--format", "xml", "a"], ["--no-such-option"]):
+            run = subprocess.run([BIN / "ssv-replay", *arguments], capture_output=True, timeout=60, check=False)
+            self.assertEqual(run.returncode, 64, arguments)
+
+    def test_the_table_marks_what_is_outside(self):
+        self.assertNotIn(b"OUTSIDE", replay(hand_made_plan()).stdout)
+        outside = replay(changed(("scenario", "port", "p_IP_m", 1), lambda y: y + 0.006))
+        self.assertEqual(outside.returncode, 3)
+        self.assertRegex(outside.stdout.decode(), r"position error .*OUTSIDE")
+
+    def test_a_full_disk_is_not_success(self):
+        with open("/dev/full", "wb") as full:
+            for options in ((), ("--format", "json")):
+                run = subprocess.run([BIN / "ssv-replay", *options, "-"], input=json.dumps(hand_made_plan()).encode(),
+                                     stdout=full, stderr=subprocess.PIPE, timeout=60, check=False)
+                self.assertEqual(run.returncode, 1)
+                self.assertIn(b"cannot write", run.stderr)
+
+
+class PlannedFlight(unittest.TestCase):
+    """Every shipped scenario, in the style of either extreme of the weights, arrives when flown open loop."""
+
+    def test_every_scenario_arrives_with_both_ramp_styles(self):
+        self.assertGreaterEqual(len(SCENARIOS), 5)
+        print(f"\n{'scenario':<24}{'ramps':<14}{'event':<6}{'mm':>10}{'deg':>11}{'m/s':>10}{'rad/s':>10}"
+              f"{'impulse %':>11}{'|u|/F_MAX - 1':>15}")
+        for scenario in SCENARIOS:
+            for weights, ramp in (("1,0", "full_reverse"), ("0,1", "drag_only")):
+                with self.subTest(scenario=scenario.name, weights=weights):
+                    planned = subprocess.run([BIN / "ssv", "plan", scenario, "--weights", weights, "--format", "json"],
+                                             capture_output=True, timeout=300, check=False)
+                    self.assertEqual(planned.returncode, 0, planned.stderr.decode())
+                    legs = json.loads(planned.stdout)["legs"]
+                    self.assertTrue(legs)
+                    self.assertEqual({leg["ramp"] for leg in legs}, {ramp})
+                    run = replay(planned.stdout, "--format", "json")
+                    self.assertIn(run.returncode, (0, 3), run.stderr.decode())
+                    result = json.loads(run.stdout)
+                    for event in ("mate", "dock"):
+                        print(f"{scenario.stem:<24}{ramp:<14}{event:<6}{result[event]['position_error_mm']:>10.2e}"
+                              f"{result[event]['pointing_error_deg']:>11.2e}{result[event]['speed_m_s']:>10.1e}"
+                              f"{result[event]['rate_rad_s']:>10.1e}{result['impulse']['error_percent']:>11.1e}"
+                              f"{result['thrust']['max_over_force_max'] - 1:>15.1e}")
+                        for name, limit in LIMITS.items():
+                            self.assertLessEqual(result[event][name], limit, f"{event}.{name}")
+                    self.assertLessEqual(result["thrust"]["max_over_force_max"], 1 + 1e-9)
+                    self.assertEqual(run.returncode, 0, result["outside"])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
