@@ -27,11 +27,10 @@ static inline real_t real_min(real_t a, real_t b) { return a < b ? a : b; }
 static inline real_t real_max(real_t a, real_t b) { return a > b ? a : b; }
 static inline real_t real_sqrt(real_t a) { return sqrt(a); }
 static inline real_t real_log1p(real_t a) { return log1p(a); }
-static inline real_t real_exp(real_t a) { return exp(a); }
+static inline real_t real_expm1(real_t a) { return expm1(a); }
 static inline real_t real_sin(real_t a) { return sin(a); }
 static inline real_t real_cos(real_t a) { return cos(a); }
 static inline real_t real_tan(real_t a) { return tan(a); }
-static inline real_t real_atan(real_t a) { return atan(a); }
 static inline real_t real_atan2(real_t y, real_t x) { return atan2(y, x); }
 static inline real_t real_from_int(int a) { return (real_t)a; }
 

@@ -1,0 +1,80 @@
+#include "planner/body.h"
+
+#include "planner/gauss.h"
+
+static void wrench_add(ssv_wrench_t* sum, vec3_t force, vec3_t moment) {
+    sum->force = vec3_add(sum->force, force);
+    sum->moment = vec3_add(sum->moment, moment);
+}
+
+// A strip at height z moves across the tube with a + b z; it takes |a + b z| (a + b z) per unit of drag and length.
+static ssv_wrench_t strip_panel(vec3_t a, vec3_t b, real_t z_from, real_t z_to) {
+    ssv_wrench_t sum = {vec3(REAL(0), REAL(0), REAL(0)), vec3(REAL(0), REAL(0), REAL(0))};
+    const real_t mid = real_mul(REAL(0.5), z_from + z_to), half = real_mul(REAL(0.5), z_to - z_from);
+    for (int k = 0; k < GAUSS_NODES; k++) {
+        const real_t z = mid + real_mul(half, gauss_node[k]);
+        const vec3_t v = vec3_add(a, vec3_scale(z, b));
+        const vec3_t f = vec3_scale(real_mul(real_mul(gauss_weight[k], half), vec3_norm(v)), v);
+        wrench_add(&sum, f, vec3(-real_mul(z, f.y), real_mul(z, f.x), REAL(0)));
+    }
+    return sum;
+}
+
+// Strip theory in axes of B, moment about B. The panels meet where the strip is slowest: |a + b z| has its kink there.
+static ssv_wrench_t strip_drag(const ssv_beam_t* beam, vec3_t v_B, vec3_t w_B) {
+    const real_t half = real_mul(REAL(0.5), beam->length_m);
+    const vec3_t a = vec3(v_B.x, v_B.y, REAL(0));
+    const vec3_t b = vec3(w_B.y, -w_B.x, REAL(0));
+    const real_t bb = vec3_dot(b, b);
+    real_t z0 = REAL(0);
+    if (bb > REAL(0)) {
+        const real_t ab = vec3_dot(a, b);
+        z0 = real_abs(ab) < real_mul(half, bb) ? -real_div(ab, bb) : ab > REAL(0) ? -half : half;
+    }
+    const ssv_wrench_t below = strip_panel(a, b, -half, z0);
+    const ssv_wrench_t above = strip_panel(a, b, z0, half);
+    const ssv_wrench_t r = {vec3_scale(beam->drag_strip_kg_m2, vec3_add(below.force, above.force)),
+                            vec3_scale(beam->drag_strip_kg_m2, vec3_add(below.moment, above.moment))};
+    return r;
+}
+
+// Adds one body whose frame (p_SQ, q_SQ) moves with v_Q, w_Q (in its own axes): momenta to accel, drag to the other two.
+static void add_body(ssv_demand_t* demand, const ssv_body_t* body, pose_t X_SQ, vec3_t v_Q, vec3_t w_Q,
+                     const ssv_wrench_t* strip) {
+    const vec3_t mass = vec3(body->mass_kg + body->added_mass_kg.x, body->mass_kg + body->added_mass_kg.y,
+                             body->mass_kg + body->added_mass_kg.z);
+    const ssv_wrench_t on_Q[3] = {
+        {vec3_mul(mass, v_Q), vec3_mul(body->inertia_kg_m2, w_Q)},
+        {vec3_scale(body->drag_lin_kg_s, v_Q), vec3_scale(body->drag_lin_ang_Nm_s, w_Q)},
+        {vec3_add(vec3_scale(real_mul(body->drag_quad_kg_m, vec3_norm(v_Q)), v_Q), strip->force),
+         vec3_add(vec3_scale(real_mul(body->drag_quad_ang_Nm_s2, vec3_norm(w_Q)), w_Q), strip->moment)}};
+    ssv_wrench_t* const on_S[3] = {&demand->accel, &demand->linear, &demand->quadratic};
+    for (int k = 0; k < 3; k++) {
+        const vec3_t force = quat_apply(X_SQ.q, on_Q[k].force);
+        wrench_add(on_S[k], force, vec3_add(quat_apply(X_SQ.q, on_Q[k].moment), vec3_cross(X_SQ.p, force)));
+    }
+}
+
+void ssv_body_demand(const ssv_assembly_t* assembly, ssv_twist_t twist, ssv_demand_t* demand) {
+    const vec3_t zero = vec3(REAL(0), REAL(0), REAL(0));
+    const ssv_wrench_t none = {zero, zero};
+    const pose_t X_SS = {zero, quat_identity()};
+    demand->accel = demand->linear = demand->quadratic = none;
+    add_body(demand, &assembly->vehicle->body, X_SS, twist.v, twist.w, &none);
+    if (assembly->beam != NULL) {
+        const quat_t q_BS = quat_conj(assembly->X_SB.q);
+        const vec3_t v_B = quat_apply(q_BS, vec3_add(twist.v, vec3_cross(twist.w, assembly->X_SB.p)));
+        const vec3_t w_B = quat_apply(q_BS, twist.w);
+        const ssv_wrench_t strip = strip_drag(assembly->beam, v_B, w_B);
+        add_body(demand, &assembly->beam->body, assembly->X_SB, v_B, w_B, &strip);
+    }
+    // Kirchhoff: dP/dt + w x P = F and dH/dt + w x H + v x P = M, with P and H per unit of speed in accel.
+    const vec3_t P = demand->accel.force, H = demand->accel.moment;
+    wrench_add(&demand->quadratic, vec3_cross(twist.w, P), vec3_add(vec3_cross(twist.w, H), vec3_cross(twist.v, P)));
+}
+
+vec3_t ssv_body_centre(const ssv_assembly_t* assembly) {
+    if (assembly->beam == NULL) return vec3(REAL(0), REAL(0), REAL(0));
+    const real_t m_S = assembly->vehicle->body.mass_kg, m_B = assembly->beam->body.mass_kg;
+    return vec3_scale(real_div(m_B, m_S + m_B), assembly->X_SB.p);
+}

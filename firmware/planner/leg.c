@@ -1,0 +1,89 @@
+#include "planner/leg.h"
+
+#include "planner/alloc.h"
+
+// Shorter moves are rounding of the geometry, not motion: a hundredth of a micrometre, or of a microradian.
+#define LENGTH_MIN REAL(1e-8)
+// A thrust coefficient smaller than this fraction of its neighbours is rounding of the allocation.
+#define COEFFICIENT_MIN REAL(9.0949470177292824e-13)
+
+ssv_move_t ssv_move_translate(ssv_phase_t phase, vec3_t displacement_S) {
+    const vec3_t zero = vec3(REAL(0), REAL(0), REAL(0));
+    ssv_move_t move = {phase, SSV_TRANSLATE, {zero, zero}, vec3_norm(displacement_S)};
+    if (move.length < LENGTH_MIN) {
+        move.length = REAL(0);
+    } else {
+        move.twist.v = vec3_unit(displacement_S);
+    }
+    return move;
+}
+
+ssv_move_t ssv_move_turn(ssv_phase_t phase, vec3_t axis_S, real_t angle_rad, vec3_t pivot_S) {
+    const ssv_move_t move = {
+        phase, SSV_TURN, {vec3_cross(pivot_S, axis_S), axis_S}, angle_rad < LENGTH_MIN ? REAL(0) : angle_rad};
+    return move;
+}
+
+pose_t ssv_move_pose(pose_t X_IS, ssv_twist_t twist, real_t s) {
+    const vec3_t w = twist.w;
+    pose_t X = {vec3_scale(s, twist.v), quat_identity()};
+    const real_t rate = vec3_norm(w);
+    if (rate > REAL(0)) {
+        // Rodrigues: p = (s + (1 - cos s) [w] + (s - sin s) [w]^2) v for |w| = 1.
+        const vec3_t wv = vec3_cross(w, twist.v);
+        X.p = vec3_add(X.p, vec3_add(vec3_scale(REAL(1) - real_cos(s), wv), vec3_scale(s - real_sin(s), vec3_cross(w, wv))));
+        X.q = quat_from_axis_angle(w, s);
+    }
+    return pose_mul(X_IS, X);
+}
+
+static void trim(real_t c[SSV_NUM_THRUSTERS]) {
+    real_t largest = REAL(0);
+    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) largest = real_max(largest, real_abs(c[i]));
+    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+        if (real_abs(c[i]) < real_mul(COEFFICIENT_MIN, largest)) c[i] = REAL(0);
+    }
+}
+
+void ssv_move_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assembly, ssv_twist_t twist, ssv_thrusts_t* thrusts) {
+    ssv_demand_t demand;
+    ssv_body_demand(assembly, twist, &demand);
+    ssv_alloc(problem->u_per_wrench, demand.accel.force, demand.accel.moment, thrusts->accel);
+    ssv_alloc(problem->u_per_wrench, demand.linear.force, demand.linear.moment, thrusts->linear);
+    ssv_alloc(problem->u_per_wrench, demand.quadratic.force, demand.quadratic.moment, thrusts->quadratic);
+    trim(thrusts->accel);
+    trim(thrusts->linear);
+    trim(thrusts->quadratic);
+    thrusts->force_max_N = problem->scenario.vehicle.force_max_N;
+}
+
+bool ssv_price_beats(const ssv_price_t* a, const ssv_price_t* b) {
+    return a->outcome == SSV_FEASIBLE && (b->outcome != SSV_FEASIBLE || a->cost < b->cost);
+}
+
+ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
+                           ssv_profile_t* profile, ssv_ramp_t* ramp) {
+    const ssv_scenario_t* scenario = &problem->scenario;
+    const real_t cutoff = move->kind == SSV_TRANSLATE ? SSV_CUTOFF_TRANSLATE_M_S : SSV_CUTOFF_TURN_RAD_S;
+    ssv_price_t best = {SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
+    *ramp = SSV_FULL_REVERSE;
+    profile->num_pieces = 0;
+    if (!(move->length > REAL(0))) return best;
+    for (int style = SSV_FULL_REVERSE; style <= SSV_DRAG_ONLY; style++) {
+        ssv_profile_t trial;
+        ssv_price_t price = {SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
+        price.outcome = ssv_profile_solve(thrusts, (ssv_ramp_t)style, cutoff, move->length, &trial);
+        if (price.outcome == SSV_FEASIBLE) {
+            price.time_s = trial.duration_s;
+            price.impulse_Ns = trial.impulse_Ns;
+            price.cost = real_mul(scenario->weight_time_per_s, price.time_s) +
+                         real_mul(scenario->weight_impulse_per_Ns, price.impulse_Ns);
+        }
+        if (style == SSV_FULL_REVERSE || ssv_price_beats(&price, &best)) {
+            best = price;
+            *ramp = (ssv_ramp_t)style;
+            *profile = trial;
+        }
+    }
+    return best;
+}

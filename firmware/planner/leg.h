@@ -1,0 +1,41 @@
+/// Legs: motion along a constant twist of the vehicle, priced by the cheaper of the paper's two ramps.
+#ifndef SSV_LEG_H
+#define SSV_LEG_H
+
+#include "planner/body.h"
+#include "planner/profile.h"
+
+/// Where a leg goes. Distances are in m for SSV_TRANSLATE, else in rad.
+typedef struct {
+    ssv_phase_t phase;
+    ssv_leg_kind_t kind;
+    ssv_twist_t twist;           ///< per unit of distance
+    real_t length;
+} ssv_move_t;
+
+typedef struct {
+    ssv_outcome_t outcome;       ///< the rest is meaningful when SSV_FEASIBLE
+    real_t time_s, impulse_Ns, cost;
+} ssv_price_t;
+
+/// Whether a is feasible and costs less than b, or b is not feasible.
+bool ssv_price_beats(const ssv_price_t* a, const ssv_price_t* b);
+
+/// Straight flight by displacement_S [m] in axes of S, attitude held. A displacement of zero makes a move of length 0.
+ssv_move_t ssv_move_translate(ssv_phase_t phase, vec3_t displacement_S);
+
+/// Turn by angle_rad >= 0 about the unit vector axis_S through pivot_S [m].
+ssv_move_t ssv_move_turn(ssv_phase_t phase, vec3_t axis_S, real_t angle_rad, vec3_t pivot_S);
+
+/// Pose of S after distance s along the twist: X_IS exp(twist s).
+pose_t ssv_move_pose(pose_t X_IS, ssv_twist_t twist, real_t s);
+
+/// Thrusts along a move of this assembly (DESIGN.md 4).
+void ssv_move_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assembly, ssv_twist_t twist, ssv_thrusts_t* thrusts);
+
+/// Solves the move with both ramps and keeps the cheaper. A move of length 0 costs nothing and has no pieces.
+/// @return the price; where neither ramp is feasible, why; then *profile and *ramp are not meaningful.
+ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
+                           ssv_profile_t* profile, ssv_ramp_t* ramp);
+
+#endif

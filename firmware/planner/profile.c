@@ -1,0 +1,462 @@
+#include "planner/profile.h"
+
+#include "planner/gauss.h"
+
+#define N SSV_NUM_THRUSTERS
+#define NUM_LAWS (2 * N)
+#define MAX_KNOTS SSV_MAX_PROFILE_PIECES
+#define MAX_NEWTON 60
+
+// Terminal speed is only approached; cruise at this much less. The time lost is the same fraction of the cruise.
+#define TERMINAL_MARGIN REAL(5.9604644775390625e-8)
+// Two laws closer than this fraction of their size are one law: the rest is rounding.
+#define SAME_LAW REAL(1e-11)
+// A knot is looked at this fraction of the top speed beyond it, where laws that cross there have parted.
+#define PROBE REAL(9.3132257461547852e-10)
+// A stretch over which dv/dt changes less than this factor is integrated by quadrature: there the closed forms cancel.
+#define SHORT_RATIO REAL(1.3)
+
+static real_t quadratic_at(const real_t c[3], real_t v) { return c[0] + real_mul(v, c[1] + real_mul(v, c[2])); }
+
+// Smaller and larger root of c0 + c1 x + c2 x^2, without cancellation; false if there is none. A missing second root is far.
+static bool quadratic_roots(const real_t c[3], real_t far, real_t root[2]) {
+    const real_t disc = real_sq(c[1]) - real_mul(REAL(4), real_mul(c[0], c[2]));
+    if (disc < REAL(0)) return false;
+    const real_t q = real_mul(REAL(-0.5), c[1] + (c[1] < REAL(0) ? -real_sqrt(disc) : real_sqrt(disc)));
+    if (q == REAL(0)) {
+        if (c[2] == REAL(0)) return false;
+        root[0] = root[1] = REAL(0);
+        return true;
+    }
+    const real_t a = real_div(c[0], q);
+    const real_t b = real_abs(c[2]) > real_div(real_abs(q), far) ? real_div(q, c[2]) : far;
+    root[0] = real_min(a, b);
+    root[1] = real_max(a, b);
+    return true;
+}
+
+// Smallest root in (from, to), else to.
+static real_t root_after(const real_t c[3], real_t from, real_t to) {
+    real_t root[2];
+    if (!quadratic_roots(c, real_mul(REAL(2), to), root)) return to;
+    if (root[0] > from && root[0] < to) return root[0];
+    if (root[1] > from && root[1] < to) return root[1];
+    return to;
+}
+
+// ---- Integrals of a law over a change of speed --------------------------------------------------------------------------
+
+static bool is_short(const real_t law[3], real_t v_from, real_t v_to) {
+    const real_t a = real_abs(quadratic_at(law, v_from)), b = real_abs(quadratic_at(law, v_to));
+    const real_t m = real_abs(quadratic_at(law, real_mul(REAL(0.5), v_from + v_to)));
+    return real_max(a, real_max(b, m)) < real_mul(SHORT_RATIO, real_min(a, real_min(b, m)));
+}
+
+static ssv_moments_t moments_by_quadrature(const real_t law[3], real_t v_from, real_t v_to) {
+    ssv_moments_t m = {REAL(0), REAL(0), REAL(0)};
+    const real_t mid = real_mul(REAL(0.5), v_from + v_to), half = real_mul(REAL(0.5), v_to - v_from);
+    for (int k = 0; k < GAUSS_NODES; k++) {
+        const real_t v = mid + real_mul(half, gauss_node[k]);
+        const real_t dt = real_div(real_mul(gauss_weight[k], half), quadratic_at(law, v));
+        m.time += dt;
+        m.distance += real_mul(v, dt);
+        m.speed2 += real_mul(real_sq(v), dt);
+    }
+    return m;
+}
+
+// Time from dv/dt = Q(v): with tau = dv / (2 Q_a + Q_a' dv) and d the discriminant, t = 2 atanh(sqrt(d) tau) / sqrt(d), or
+// the arc tangent where d < 0. No case of it cancels: 1 - d tau^2 = 4 Q_a Q_b / (2 Q_a + Q_a' dv)^2 exactly.
+static real_t law_time(const real_t law[3], real_t v_from, real_t v_to) {
+    const real_t dv = v_to - v_from;
+    const real_t Q_a = quadratic_at(law, v_from), Q_b = quadratic_at(law, v_to);
+    const real_t den = real_mul(REAL(2), Q_a) + real_mul(law[1] + real_mul(REAL(2), real_mul(law[2], v_from)), dv);
+    const real_t disc = real_sq(law[1]) - real_mul(REAL(4), real_mul(law[0], law[2]));
+    const real_t root = real_sqrt(real_abs(disc));
+    if (disc < REAL(0)) {
+        const real_t sign = Q_a < REAL(0) ? REAL(-1) : REAL(1);
+        return real_div(real_mul(REAL(2), real_atan2(real_mul(sign, real_mul(root, dv)), real_mul(sign, den))), root);
+    }
+    const real_t x = real_abs(real_div(real_mul(root, dv), den));
+    if (x < REAL(1e-8)) return real_div(real_mul(REAL(2), dv), den);
+    const real_t one_minus_x2 = real_mul(real_mul(REAL(4), real_div(Q_a, den)), real_div(Q_b, den));
+    const real_t t = real_div(real_mul(REAL(2), real_log1p(x)) - real_log1p(one_minus_x2 - REAL(1)), root);
+    return (dv < REAL(0)) == (Q_a < REAL(0)) ? t : -t; // a ramp is measured from rest, also against time
+}
+
+// log(1 + y) / y and its first moment, both smooth at y = 0.
+static real_t log1p_over(real_t y) {
+    return real_abs(y) < REAL(1e-5) ? REAL(1) - real_mul(y, REAL(0.5) - real_div(y, REAL(3))) : real_div(real_log1p(y), y);
+}
+
+static real_t log1p_moment(real_t y) {
+    if (real_abs(y) > REAL(1e-2)) return real_div(REAL(1) - log1p_over(y), y);
+    real_t sum = REAL(0), power = REAL(1); // 1/2 - y/3 + y^2/4 - ...
+    for (int n = 2; n < 10; n++) {
+        sum += real_div(power, real_from_int(n));
+        power = real_mul(power, -y);
+    }
+    return sum;
+}
+
+static ssv_moments_t law_moments(const real_t law[3], real_t v_from, real_t v_to, real_t time) {
+    const real_t dv = v_to - v_from;
+    ssv_moments_t m = {time, real_mul(time, v_from), real_mul(time, real_sq(v_from))};
+    if (dv == REAL(0)) return m;
+    if (is_short(law, v_from, v_to)) {
+        m = moments_by_quadrature(law, v_from, v_to);
+        m.time = time;
+        return m;
+    }
+    real_t root[2];
+    const real_t far = real_mul(REAL(1e12), real_max(v_from, v_to));
+    if (quadratic_roots(law, far, root)) {
+        // Q = (v - v_t) q(v) with v_t the nearer root: v / Q = v_t / Q + 1 / q and v^2 / Q = v_t^2 / Q + (v + v_t) / q.
+        const real_t mid = real_mul(REAL(0.5), v_from + v_to);
+        const real_t v_t = real_abs(root[0] - mid) < real_abs(root[1] - mid) ? root[0] : root[1];
+        const real_t q = law[1] + real_mul(law[2], v_from + v_t);
+        const real_t y = real_div(real_mul(law[2], dv), q), x = real_div(dv, q);
+        const real_t one = real_mul(x, log1p_over(y));
+        m.distance = real_mul(v_t, time) + one;
+        m.speed2 = real_mul(real_sq(v_t), time) + real_mul(v_from + v_t, one) + real_mul(real_mul(dv, x), log1p_moment(y));
+        return m;
+    }
+    const real_t Q_a = quadratic_at(law, v_from);
+    const real_t dQ = real_mul(dv, law[1] + real_mul(law[2], v_from + v_to));
+    const real_t log_ratio = real_log1p(real_div(dQ, Q_a));
+    m.distance = real_div(real_mul(REAL(0.5), log_ratio - real_mul(law[1], time)), law[2]);
+    m.speed2 = real_div(dv - real_mul(law[0], time) - real_mul(law[1], m.distance), law[2]);
+    return m;
+}
+
+static ssv_moments_t law_integrals(const real_t law[3], real_t v_from, real_t v_to) {
+    if (v_from == v_to) return (ssv_moments_t){REAL(0), REAL(0), REAL(0)};
+    if (is_short(law, v_from, v_to)) return moments_by_quadrature(law, v_from, v_to);
+    return law_moments(law, v_from, v_to, law_time(law, v_from, v_to));
+}
+
+real_t ssv_piece_speed(const ssv_piece_t* piece, real_t t_s) {
+    const real_t* law = piece->law;
+    const real_t Q = quadratic_at(law, piece->v_start);
+    if (piece->v_start == piece->v_end || Q == REAL(0)) return piece->v_start;
+    const real_t slope = law[1] + real_mul(REAL(2), real_mul(law[2], piece->v_start));
+    const real_t disc = real_sq(law[1]) - real_mul(REAL(4), real_mul(law[0], law[2]));
+    const real_t root = real_sqrt(real_abs(disc));
+    const real_t x = real_mul(REAL(0.5), real_mul(root, t_s));
+    real_t tau = real_mul(REAL(0.5), t_s); // tanh(x) / root, tan(x) / root
+    if (x > REAL(1e-8)) {
+        if (disc < REAL(0)) {
+            tau = real_div(real_tan(x), root);
+        } else {
+            const real_t e = real_expm1(real_mul(REAL(-2), x));
+            tau = real_div(-e, real_mul(REAL(2) + e, root));
+        }
+    }
+    const real_t v = piece->v_start + real_div(real_mul(real_mul(REAL(2), Q), tau), REAL(1) - real_mul(slope, tau));
+    return real_max(real_min(piece->v_start, piece->v_end), real_min(real_max(piece->v_start, piece->v_end), v));
+}
+
+ssv_moments_t ssv_piece_moments(const ssv_piece_t* piece, real_t v_from, real_t v_to, real_t time_s) {
+    return law_moments(piece->law, v_from, v_to, time_s);
+}
+
+void ssv_piece_thrust(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, int i, real_t c[3]) {
+    const real_t A = thrusts->accel[i];
+    c[0] = real_mul(A, piece->law[0]);
+    c[1] = real_mul(A, piece->law[1]) + thrusts->linear[i];
+    c[2] = real_mul(A, piece->law[2]) + thrusts->quadratic[i];
+}
+
+// ---- Which law holds at which speed -------------------------------------------------------------------------------------
+
+typedef enum { SPEED_UP, BRAKE, COAST } policy_t;
+
+// Laws that a leg's thrusters can be bound to: limit[i] speeds up or brakes with thruster i at its limit, idle[i] gives it
+// no thrust.
+typedef struct {
+    const ssv_thrusts_t* thrusts;
+    bool acts[N];
+    real_t up[N][3], brake[N][3], idle[N][3];
+} laws_t;
+
+static bool laws_init(const ssv_thrusts_t* thrusts, laws_t* laws) {
+    real_t largest = REAL(0);
+    for (int i = 0; i < N; i++) largest = real_max(largest, real_abs(thrusts->accel[i]));
+    laws->thrusts = thrusts;
+    for (int i = 0; i < N; i++) {
+        const real_t A = thrusts->accel[i];
+        laws->acts[i] = real_abs(A) > real_mul(SAME_LAW, largest);
+        if (!laws->acts[i]) continue;
+        const real_t limit = real_div(thrusts->force_max_N, real_abs(A));
+        laws->idle[i][0] = REAL(0);
+        laws->idle[i][1] = -real_div(thrusts->linear[i], A);
+        laws->idle[i][2] = -real_div(thrusts->quadratic[i], A);
+        for (int k = 0; k < 3; k++) {
+            laws->up[i][k] = laws->idle[i][k] + (k == 0 ? limit : REAL(0));
+            laws->brake[i][k] = laws->idle[i][k] - (k == 0 ? limit : REAL(0));
+        }
+    }
+    return largest > REAL(0);
+}
+
+// The tightest limit at speed v.
+static const real_t* limit_at(const laws_t* laws, bool up, real_t v) {
+    const real_t* best = NULL;
+    real_t best_a = REAL(0);
+    for (int i = 0; i < N; i++) {
+        if (!laws->acts[i]) continue;
+        const real_t* law = up ? laws->up[i] : laws->brake[i];
+        const real_t a = quadratic_at(law, v);
+        if (best == NULL || (up ? a < best_a : a > best_a)) {
+            best = law;
+            best_a = a;
+        }
+    }
+    return best;
+}
+
+// Least sum of |u_i|: that sum is convex and piecewise linear in a with a kink of height |accel_i| where u_i = 0, so the
+// minimum is the weighted median of the kinks. Of equal ones the stronger braking is taken.
+static const real_t* coast_at(const laws_t* laws, real_t v) {
+    const real_t* brake = limit_at(laws, false, v);
+    const real_t brake_a = quadratic_at(brake, v);
+    real_t total = REAL(0), below_brake = REAL(0);
+    for (int i = 0; i < N; i++) {
+        if (!laws->acts[i]) continue;
+        total += real_abs(laws->thrusts->accel[i]);
+        if (quadratic_at(laws->idle[i], v) <= brake_a) below_brake += real_abs(laws->thrusts->accel[i]);
+    }
+    const real_t half = real_mul(REAL(0.5) - SAME_LAW, total);
+    if (below_brake >= half) return brake;
+    const real_t* best = NULL;
+    real_t best_a = REAL(0);
+    for (int i = 0; i < N; i++) {
+        if (!laws->acts[i]) continue;
+        const real_t a = quadratic_at(laws->idle[i], v);
+        real_t below = REAL(0);
+        for (int j = 0; j < N; j++) {
+            if (laws->acts[j] && quadratic_at(laws->idle[j], v) <= a) below += real_abs(laws->thrusts->accel[j]);
+        }
+        if (below >= half && (best == NULL || a < best_a)) {
+            best = laws->idle[i];
+            best_a = a;
+        }
+    }
+    return best;
+}
+
+static const real_t* law_at(const laws_t* laws, policy_t policy, real_t v) {
+    return policy == COAST ? coast_at(laws, v) : limit_at(laws, policy == SPEED_UP, v);
+}
+
+static real_t size_at(const real_t c[3], real_t v) {
+    return real_abs(c[0]) + real_mul(v, real_abs(c[1]) + real_mul(v, real_abs(c[2])));
+}
+
+// First speed in (from, to) at which another law may take over from this one.
+static real_t next_crossing(const laws_t* laws, policy_t policy, const real_t law[3], real_t from, real_t to) {
+    real_t next = to;
+    for (int i = 0; i < N; i++) {
+        if (!laws->acts[i]) continue;
+        const real_t* rival[2] = {policy == SPEED_UP ? laws->up[i] : laws->brake[i], policy == COAST ? laws->idle[i] : NULL};
+        for (int k = 0; k < 2; k++) {
+            if (rival[k] == NULL || rival[k] == law) continue;
+            const real_t diff[3] = {rival[k][0] - law[0], rival[k][1] - law[1], rival[k][2] - law[2]};
+            if (size_at(diff, to) <= real_mul(SAME_LAW, size_at(law, to))) continue;
+            next = root_after(diff, from, next);
+        }
+    }
+    return next;
+}
+
+// ---- Ramps: speed as a chain of laws, and the distance it takes ---------------------------------------------------------
+
+// From rest to knot speeds: law[k] holds between v[k] and v[k + 1]; reach[k] is the distance from rest to v[k] (or back).
+typedef struct {
+    int num;
+    real_t v[MAX_KNOTS + 1], reach[MAX_KNOTS + 1];
+    const real_t* law[MAX_KNOTS];
+} ramp_table_t;
+
+// Extends the ramp to speed top under one policy.
+static bool ramp_extend(const laws_t* laws, policy_t policy, real_t top, ramp_table_t* ramp) {
+    const real_t probe = real_mul(PROBE, top);
+    real_t v = ramp->v[ramp->num];
+    for (int n = 0; n < MAX_KNOTS && v < top; n++) {
+        const real_t* law = law_at(laws, policy, real_min(v + probe, top));
+        const real_t next = next_crossing(laws, policy, law, v + probe, top);
+        if (ramp->num > 0 && ramp->law[ramp->num - 1] == law) {
+            ramp->num--;
+        } else if (ramp->num == MAX_KNOTS) {
+            return false;
+        }
+        const int k = ramp->num++;
+        ramp->law[k] = law;
+        ramp->v[k + 1] = next;
+        v = next;
+    }
+    return v >= top;
+}
+
+static void ramp_measure(ramp_table_t* ramp) {
+    ramp->reach[0] = REAL(0);
+    for (int k = 0; k < ramp->num; k++) {
+        ramp->reach[k + 1] = ramp->reach[k] + real_abs(law_integrals(ramp->law[k], ramp->v[k], ramp->v[k + 1]).distance);
+    }
+}
+
+// Distance from rest to v, and the acceleration there.
+static real_t ramp_reach(const ramp_table_t* ramp, real_t v, real_t* acceleration) {
+    int k = 0;
+    while (k + 1 < ramp->num && ramp->v[k + 1] < v) k++;
+    *acceleration = quadratic_at(ramp->law[k], v);
+    return ramp->reach[k] + real_abs(law_integrals(ramp->law[k], ramp->v[k], v).distance);
+}
+
+// Largest speed that every thruster can hold: |linear v + quadratic v^2| <= force_max. Infinite without drag; then what the
+// distance allows.
+static real_t top_speed(const laws_t* laws, real_t distance) {
+    const ssv_thrusts_t* t = laws->thrusts;
+    const real_t* start = limit_at(laws, true, REAL(0));
+    bool bounded = false;
+    real_t top = REAL(0);
+    for (int i = 0; i < N; i++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            const real_t c[3] = {real_mul(real_from_int(sign), t->force_max_N), t->linear[i], t->quadratic[i]};
+            real_t root[2];
+            if ((c[1] == REAL(0) && c[2] == REAL(0)) || !quadratic_roots(c, REAL(1e9), root)) continue;
+            for (int k = 0; k < 2; k++) {
+                if (root[k] > REAL(0) && (!bounded || root[k] < top)) {
+                    top = root[k];
+                    bounded = true;
+                }
+            }
+        }
+    }
+    const real_t free_top = real_sqrt(real_mul(REAL(2), real_mul(start[0], distance)));
+    if (!bounded) return free_top;
+    return top - real_mul(TERMINAL_MARGIN, top);
+}
+
+// Where the least thrust stops slowing the body, no drag-only ramp starts: end the ramp below.
+static void keep_slowing(ramp_table_t* ramp) {
+    for (int k = 0; k < ramp->num; k++) {
+        const bool slows = quadratic_at(ramp->law[k], ramp->v[k]) < REAL(0) &&
+                           quadratic_at(ramp->law[k], ramp->v[k + 1]) < REAL(0) &&
+                           root_after(ramp->law[k], ramp->v[k], ramp->v[k + 1]) >= ramp->v[k + 1];
+        if (!slows) ramp->num = k;
+    }
+}
+
+// ---- The profile --------------------------------------------------------------------------------------------------------
+
+static real_t impulse(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece) {
+    real_t c[N][3], cut[2 * N + 2];
+    const real_t low = real_min(piece->v_start, piece->v_end), high = real_max(piece->v_start, piece->v_end);
+    int num = 0;
+    cut[num++] = low;
+    for (int i = 0; i < N; i++) {
+        ssv_piece_thrust(thrusts, piece, i, c[i]);
+        real_t root[2];
+        if (low == high || size_at(c[i], high) <= real_mul(SAME_LAW, thrusts->force_max_N)) continue;
+        if (!quadratic_roots(c[i], real_mul(REAL(2), high), root)) continue;
+        for (int k = 0; k < 2; k++) {
+            if (root[k] > low && root[k] < high) cut[num++] = root[k];
+        }
+    }
+    for (int i = 1; i < num; i++) {
+        for (int k = i; k > 1 && cut[k] < cut[k - 1]; k--) {
+            const real_t swap = cut[k];
+            cut[k] = cut[k - 1];
+            cut[k - 1] = swap;
+        }
+    }
+    cut[num] = high;
+    real_t sum = REAL(0);
+    for (int k = 0; k < num; k++) {
+        const ssv_moments_t m = low == high ? law_moments(piece->law, low, high, piece->duration_s)
+                                            : law_integrals(piece->law, cut[k], cut[k + 1]);
+        for (int i = 0; i < N; i++) {
+            sum += real_abs(real_mul(c[i][0], m.time) + real_mul(c[i][1], m.distance) + real_mul(c[i][2], m.speed2));
+        }
+    }
+    return sum;
+}
+
+static bool append(ssv_profile_t* profile, const ssv_thrusts_t* thrusts, const real_t law[3], real_t v_start, real_t v_end,
+                   real_t hold_s) {
+    if (profile->num_pieces == SSV_MAX_PROFILE_PIECES) return false;
+    const ssv_moments_t m = v_start == v_end ? law_moments(law, v_start, v_end, hold_s) : law_integrals(law, v_start, v_end);
+    const ssv_piece_t* before = &profile->piece[profile->num_pieces];
+    real_t s = REAL(0);
+    if (profile->num_pieces > 0) {
+        before--;
+        s = before->s + law_moments(before->law, before->v_start, before->v_end, before->duration_s).distance;
+    }
+    ssv_piece_t* piece = &profile->piece[profile->num_pieces++];
+    *piece = (ssv_piece_t){profile->duration_s, m.time, s, v_start, v_end, {law[0], law[1], law[2]}};
+    profile->duration_s += m.time;
+    profile->impulse_Ns += impulse(thrusts, piece);
+    return true;
+}
+
+// Speed at which speeding up must turn into slowing so that both take the distance; from below, by safeguarded Newton: the
+// sum of the reaches is increasing and convex in v.
+static real_t peak_speed(const ramp_table_t* up, const ramp_table_t* slow, real_t distance, real_t top) {
+    real_t low = REAL(0), high = top, a_up, a_slow;
+    real_t v = top;
+    for (int n = 0; n < MAX_NEWTON; n++) {
+        const real_t excess = ramp_reach(up, v, &a_up) + ramp_reach(slow, v, &a_slow) - distance;
+        if (excess > REAL(0)) {
+            high = v;
+        } else {
+            low = v;
+            if (-excess <= real_mul(REAL(1e-14), distance)) break;
+        }
+        if (high - low <= real_mul(REAL(1e-15), high)) break;
+        const real_t slope = real_mul(v, real_div(REAL(1), real_abs(a_up)) + real_div(REAL(1), real_abs(a_slow)));
+        const real_t newton = v - real_div(excess, slope);
+        v = newton > low && newton < high ? newton : real_mul(REAL(0.5), low + high);
+    }
+    return low;
+}
+
+ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, ssv_ramp_t ramp, real_t cutoff, real_t distance,
+                                ssv_profile_t* profile) {
+    static const real_t steady[3] = {REAL(0), REAL(0), REAL(0)};
+    laws_t laws;
+    ramp_table_t up, slow;
+    if (!laws_init(thrusts, &laws)) return SSV_NO_AUTHORITY;
+    real_t top = top_speed(&laws, distance);
+    up.num = slow.num = 0;
+    up.v[0] = slow.v[0] = REAL(0);
+    const real_t reverse_from = ramp == SSV_DRAG_ONLY ? real_min(cutoff, top) : top;
+    if (!ramp_extend(&laws, BRAKE, reverse_from, &slow) || !ramp_extend(&laws, COAST, top, &slow)) return SSV_TOO_MANY_PIECES;
+    if (!ramp_extend(&laws, SPEED_UP, top, &up)) return SSV_TOO_MANY_PIECES;
+    keep_slowing(&slow);
+    if (slow.num == 0) return SSV_NO_AUTHORITY;
+    top = real_min(top, slow.v[slow.num]);
+    ramp_measure(&up);
+    ramp_measure(&slow);
+
+    real_t a;
+    real_t peak = top, rest = distance - ramp_reach(&up, top, &a) - ramp_reach(&slow, top, &a);
+    if (rest < REAL(0)) {
+        peak = peak_speed(&up, &slow, distance, top);
+        rest = REAL(0);
+    }
+    profile->num_pieces = 0;
+    profile->duration_s = profile->impulse_Ns = REAL(0);
+    profile->peak_speed = peak;
+    bool fits = true;
+    for (int k = 0; k < up.num && up.v[k] < peak; k++) {
+        fits = fits && append(profile, thrusts, up.law[k], up.v[k], real_min(up.v[k + 1], peak), REAL(0));
+    }
+    if (rest > REAL(0)) fits = fits && append(profile, thrusts, steady, peak, peak, real_div(rest, peak));
+    for (int k = slow.num - 1; k >= 0; k--) {
+        if (slow.v[k] >= peak) continue;
+        fits = fits && append(profile, thrusts, slow.law[k], real_min(slow.v[k + 1], peak), slow.v[k], REAL(0));
+    }
+    if (!fits) return SSV_TOO_MANY_PIECES;
+    return profile->duration_s <= SSV_DURATION_MAX_S ? SSV_FEASIBLE : SSV_TOO_LONG;
+}

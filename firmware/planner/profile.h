@@ -1,0 +1,47 @@
+/// The speed along one leg over time, rest to rest, in closed form (DESIGN.md 5). Knows thrusts and limits, nothing of bodies.
+///
+/// Along a leg with speed v and acceleration a thruster i gives u_i = accel[i] a + linear[i] v + quadratic[i] v^2 (paper
+/// Eqs. 6, 7, 11, 15 in one), |u_i| <= force_max. Binding a thruster to a constant thrust makes dv/dt a quadratic in v, a
+/// "law"; a profile is a chain of pieces with one law each, and time, distance and impulse of a piece have closed forms.
+#ifndef SSV_PROFILE_H
+#define SSV_PROFILE_H
+
+#include "ssv/planner.h"
+
+/// Most pieces in one profile.
+#define SSV_MAX_PROFILE_PIECES 32
+
+typedef struct {
+    real_t accel[SSV_NUM_THRUSTERS], linear[SSV_NUM_THRUSTERS], quadratic[SSV_NUM_THRUSTERS];
+    real_t force_max_N;
+} ssv_thrusts_t;
+
+typedef struct {
+    real_t duration_s, impulse_Ns, peak_speed;
+    int num_pieces;
+    ssv_piece_t piece[SSV_MAX_PROFILE_PIECES];
+} ssv_profile_t;
+
+/// The paper's profile over a distance [m or rad] > 0: full thrust ahead, terminal speed as long as needed, then the ramp:
+/// SSV_FULL_REVERSE brakes with full thrust; SSV_DRAG_ONLY gives the least total thrust that keeps the body on the leg down
+/// to speed cutoff, then brakes. A leg too short for terminal speed turns from speeding up to slowing where the distance asks.
+/// @return SSV_FEASIBLE; SSV_NO_AUTHORITY if no thruster acts along the leg or the least thrust does not slow the body;
+/// SSV_TOO_LONG; SSV_TOO_MANY_PIECES. *profile is meaningful only when feasible. Some 10 to 30 logarithms.
+ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, ssv_ramp_t ramp, real_t cutoff, real_t distance,
+                                ssv_profile_t* profile);
+
+/// Integrals over a stretch of a piece.
+typedef struct {
+    real_t time, distance, speed2; ///< of 1, v and v^2 over time: [s], [m or rad], [m2/s or rad2/s]
+} ssv_moments_t;
+
+/// Speed of a piece at a time since its start, 0 <= t_s <= piece->duration_s.
+real_t ssv_piece_speed(const ssv_piece_t* piece, real_t t_s);
+
+/// Integrals of a piece between two of its speeds that are time_s apart.
+ssv_moments_t ssv_piece_moments(const ssv_piece_t* piece, real_t v_from, real_t v_to, real_t time_s);
+
+/// Thrust of thruster i on a piece at speed v as a quadratic c[0] + c[1] v + c[2] v^2.
+void ssv_piece_thrust(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, int i, real_t c[3]);
+
+#endif

@@ -1,0 +1,66 @@
+#include "planner/timeline.h"
+
+#define N SSV_NUM_THRUSTERS
+#define MAX_TRIALS 24
+#define NUM_CHECKS 5
+
+// Errors are looked at in NUM_CHECKS places only; between them they may be this much larger.
+#define CHECK_MARGIN REAL(0.9)
+
+static real_t at(const real_t c[3], real_t v) { return c[0] + real_mul(v, c[1] + real_mul(v, c[2])); }
+
+// The straight line with the exact mean that is parallel to the chord, turned where it would leave the thruster's limits.
+static void fit(const real_t c[3], const ssv_moments_t* m, real_t v_from, real_t v_to, real_t limit, real_t* u_start,
+                real_t* u_end) {
+    const real_t exact =
+        real_div(real_mul(c[0], m->time) + real_mul(c[1], m->distance) + real_mul(c[2], m->speed2), m->time);
+    const real_t mean = real_max(-limit, real_min(limit, exact));
+    const real_t room = limit - real_abs(mean);
+    const real_t half = real_mul(REAL(0.5), at(c, v_to) - at(c, v_from));
+    const real_t swing = real_max(-room, real_min(room, half));
+    *u_start = mean - swing;
+    *u_end = mean + swing;
+}
+
+// Fills the segment's thrusts for a stretch of the piece; returns the largest error over force_max.
+static real_t fit_all(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t t, real_t h, ssv_segment_t* segment) {
+    real_t v[NUM_CHECKS];
+    for (int k = 0; k < NUM_CHECKS; k++) {
+        v[k] = ssv_piece_speed(piece, t + real_mul(h, real_div(real_from_int(k), real_from_int(NUM_CHECKS - 1))));
+    }
+    const ssv_moments_t m = ssv_piece_moments(piece, v[0], v[NUM_CHECKS - 1], h);
+    real_t worst = REAL(0);
+    for (int i = 0; i < N; i++) {
+        real_t c[3];
+        ssv_piece_thrust(thrusts, piece, i, c);
+        fit(c, &m, v[0], v[NUM_CHECKS - 1], thrusts->force_max_N, &segment->u_start_N[i], &segment->u_end_N[i]);
+        const real_t rise = segment->u_end_N[i] - segment->u_start_N[i];
+        for (int k = 0; k < NUM_CHECKS; k++) {
+            const real_t along = real_div(real_from_int(k), real_from_int(NUM_CHECKS - 1));
+            worst = real_max(worst, real_abs(at(c, v[k]) - segment->u_start_N[i] - real_mul(along, rise)));
+        }
+    }
+    return real_div(worst, thrusts->force_max_N);
+}
+
+ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t t_s, int leg, ssv_plan_t* plan) {
+    const real_t tolerance = real_mul(CHECK_MARGIN, SSV_TIMELINE_TOLERANCE);
+    real_t t = REAL(0), h = piece->duration_s;
+    while (t < piece->duration_s) {
+        if (plan->num_segments == SSV_MAX_SEGMENTS) return SSV_TOO_MANY_SEGMENTS;
+        ssv_segment_t* segment = &plan->segment[plan->num_segments++];
+        const real_t left = piece->duration_s - t;
+        h = real_min(real_mul(REAL(4), h), left);
+        // The error of a line grows with the square of its length.
+        for (int n = 0; n < MAX_TRIALS; n++) {
+            const real_t error = fit_all(thrusts, piece, t, h, segment);
+            if (error <= tolerance) break;
+            h = real_mul(h, real_max(REAL(0.1), real_mul(REAL(0.95), real_sqrt(real_div(tolerance, error)))));
+        }
+        segment->t_s = t_s + t;
+        segment->duration_s = h;
+        segment->leg = leg;
+        t = h < left ? t + h : piece->duration_s;
+    }
+    return SSV_FEASIBLE;
+}
