@@ -1,0 +1,57 @@
+#include <argp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "plan_command.h"
+#include "ssv/planner.h"
+
+const char* argp_program_version = "ssv " SSV_VERSION;
+
+static const struct {
+    const char* name;
+    int (*run)(int argc, char** argv);
+} commands[] = {
+    {"plan", plan_command},
+};
+
+static const char doc[] =
+    "Asks the onboard trajectory planner what it costs to fly to a beam and carry it to a hub port, and which thrusts do it."
+    "\vCommands:\n"
+    "  plan    plan one task, described by a scenario file\n"
+    "\n"
+    "`ssv COMMAND --help` tells about a command.";
+
+typedef struct {
+    int command_at;               ///< index of the command's name in argv
+} arguments_t;
+
+static error_t parse_option(int key, char* argument, struct argp_state* state) {
+    arguments_t* arguments = state->input;
+    switch (key) {
+    case ARGP_KEY_ARG:
+        arguments->command_at = state->next - 1;
+        state->next = state->argc; // the rest is the command's
+        (void)argument;
+        return 0;
+    case ARGP_KEY_NO_ARGS:
+        argp_error(state, "which command? There is: plan");
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+int main(int argc, char** argv) {
+    static const struct argp parser = {.parser = parse_option, .args_doc = "COMMAND [ARGUMENT...]", .doc = doc};
+    arguments_t arguments = {0};
+    argp_parse(&parser, argc, argv, ARGP_IN_ORDER, NULL, &arguments);
+
+    char** const rest = argv + arguments.command_at;
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
+        if (strcmp(rest[0], commands[i].name) == 0) {
+            return commands[i].run(argc - arguments.command_at, rest);
+        }
+    }
+    fprintf(stderr, "ssv: there is no command '%s'. There is: plan\nTry `ssv --help' for more information.\n", rest[0]);
+    return EXIT_USAGE;
+}

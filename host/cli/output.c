@@ -1,0 +1,88 @@
+#define _DEFAULT_SOURCE
+#include "output.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static bool fail(const char* path) {
+    fprintf(stderr, "ssv: cannot write %s: %s\n", path, strerror(errno));
+    return false;
+}
+
+static bool write_whole(int file, const char* text, size_t size) {
+    while (size > 0) {
+        const ssize_t written = write(file, text, size);
+        if (written < 0 && errno != EINTR) {
+            return false;
+        }
+        text += written > 0 ? written : 0;
+        size -= written > 0 ? (size_t)written : 0;
+    }
+    return true;
+}
+
+/// Writes beside the file and renames over it.
+static bool replace(const char* path, mode_t mode, const char* text, size_t size) {
+    char beside[PATH_MAX];
+    const int length = snprintf(beside, sizeof beside, "%s.XXXXXX", path);
+    if (length < 0 || (size_t)length >= sizeof beside) {
+        errno = ENAMETOOLONG;
+        return false;
+    }
+    const int file = mkstemp(beside);
+    if (file < 0) {
+        return false;
+    }
+    bool done = write_whole(file, text, size) && fchmod(file, mode) == 0;
+    done = close(file) == 0 && done;
+    done = done && rename(beside, path) == 0;
+    if (!done) {
+        const int why = errno;
+        unlink(beside);
+        errno = why;
+    }
+    return done;
+}
+
+/// The permissions of a new file.
+static mode_t new_file_mode(void) {
+    const mode_t mask = umask(0);
+    umask(mask);
+    return 0666 & ~mask;
+}
+
+bool output_write(const char* path, const char* text, size_t size) {
+    if (path == NULL) {
+        return write_whole(STDOUT_FILENO, text, size) || fail("standard output");
+    }
+    struct stat old;
+    const bool exists = stat(path, &old) == 0;
+    if (exists && !S_ISREG(old.st_mode)) {
+        const int file = open(path, O_WRONLY);
+        if (file < 0) {
+            return fail(path);
+        }
+        const bool written = write_whole(file, text, size);
+        return (close(file) == 0 && written) || fail(path);
+    }
+
+    // A link stays a link: the file that it leads to is the one replaced.
+    char* const target = exists ? realpath(path, NULL) : strdup(path);
+    if (target == NULL) {
+        return fail(path);
+    }
+    sigset_t all, before;
+    sigfillset(&all);
+    sigprocmask(SIG_BLOCK, &all, &before); // a Ctrl-C waits for these few milliseconds
+    const bool done = replace(target, exists ? old.st_mode & 07777 : new_file_mode(), text, size) || fail(path);
+    sigprocmask(SIG_SETMASK, &before, NULL);
+    free(target);
+    return done;
+}

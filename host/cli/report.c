@@ -1,0 +1,279 @@
+#define _POSIX_C_SOURCE 200809L
+#include "report.h"
+
+#include <inttypes.h>
+#include <jansson.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DEG_PER_RAD 57.295779513082321
+
+// An answer may come from the wire: a value that names nothing is shown as such.
+#define NAME(names, value) name_of(names, sizeof(names) / sizeof(names)[0], value)
+
+static const char* name_of(const char* const* names, size_t count, int8_t value) {
+    return value >= 0 && (size_t)value < count ? names[value] : "unknown";
+}
+
+static const char* const status_names[] = {"ok", "infeasible", "invalid"};
+static const char* const phase_names[] = {"transit", "transfer"};
+static const char* const kind_names[] = {"translate", "turn", "screw"};
+static const char* const ramp_names[] = {"full_reverse", "drag_only"};
+static const char* const event_names[] = {"mate", "dock"};
+static const char* const method_names[] = {"paper"};
+
+static json_t* vector_json(const double* values, int count) {
+    json_t* array = json_array();
+    for (int i = 0; i < count; i++) {
+        if (json_array_append_new(array, json_real(values[i])) != 0) {
+            json_decref(array);
+            return NULL;
+        }
+    }
+    return array;
+}
+
+/// Text that JSON can hold: what is not UTF-8 loses its non-ASCII bytes.
+static json_t* text_json(const char* text) {
+    json_t* string = json_string(text);
+    if (string != NULL) {
+        return string;
+    }
+    char* ascii = strdup(text);
+    if (ascii == NULL) {
+        return NULL;
+    }
+    for (char* c = ascii; *c != '\0'; c++) {
+        if ((unsigned char)*c >= 0x80) {
+            *c = '?';
+        }
+    }
+    string = json_string(ascii);
+    free(ascii);
+    return string;
+}
+
+static json_t* hash_json(int64_t hash) {
+    char digits[17];
+    snprintf(digits, sizeof digits, "%016" PRIx64, (uint64_t)hash);
+    return json_string(digits);
+}
+
+static json_t* pose_json(const char* p_key, const char* q_key, const lcm_ssv_pose_t* pose) {
+    return json_pack("{s:o, s:o}", p_key, vector_json(pose->p_m, 3), q_key, vector_json(pose->q, 4));
+}
+
+static json_t* body_json(const lcm_ssv_body_t* body) {
+    return json_pack("{s:f, s:o, s:o, s:f, s:f, s:f, s:f}", "mass_kg", body->mass_kg, "inertia_kg_m2",
+                     vector_json(body->inertia_kg_m2, 3), "added_mass_kg", vector_json(body->added_mass_kg, 3), "drag_lin_kg_s",
+                     body->drag_lin_kg_s, "drag_quad_kg_m", body->drag_quad_kg_m, "drag_lin_ang_Nm_s", body->drag_lin_ang_Nm_s,
+                     "drag_quad_ang_Nm_s2", body->drag_quad_ang_Nm_s2);
+}
+
+static json_t* vehicle_json(const lcm_ssv_vehicle_t* vehicle) {
+    json_t* thrusters = json_array();
+    for (size_t i = 0; i < sizeof vehicle->thruster / sizeof vehicle->thruster[0]; i++) {
+        json_t* thruster = json_pack("{s:o, s:o}", "p_ST_m", vector_json(vehicle->thruster[i].p_ST_m, 3), "n_T_S",
+                                     vector_json(vehicle->thruster[i].n_T_S, 3));
+        json_array_append_new(thrusters, thruster);
+    }
+    json_t* json = body_json(&vehicle->body);
+    json_t* rest = json_pack("{s:f, s:f, s:o}", "radius_m", vehicle->radius_m, "force_max_N", vehicle->force_max_N, "thrusters",
+                             thrusters);
+    json_object_update(json, rest);
+    json_decref(rest);
+    return json;
+}
+
+static json_t* beam_json(const lcm_ssv_beam_t* beam) {
+    json_t* json = body_json(&beam->body);
+    json_t* rest = json_pack("{s:f, s:f, s:f}", "radius_m", beam->radius_m, "length_m", beam->length_m, "drag_strip_kg_m2",
+                             beam->drag_strip_kg_m2);
+    json_object_update(json, rest);
+    json_decref(rest);
+    return json;
+}
+
+static json_t* question_json(const lcm_ssv_scenario_t* question) {
+    const lcm_ssv_options_t* options = &question->options;
+    return json_pack(
+        "{s:I, s:I, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:i, s:f, s:{s:f, s:f}, s:o, s:o, s:s}", //
+        "request_id", (json_int_t)question->request_id, "epoch_us", (json_int_t)question->epoch_us,                   //
+        "vehicle", vehicle_json(&question->vehicle), "beam", beam_json(&question->beam),                              //
+        "X_IS", pose_json("p_IS_m", "q_IS", &question->X_IS), "X_IB", pose_json("p_IB_m", "q_IB", &question->X_IB),   //
+        "port", "p_IP_m", vector_json(question->port.p_IP_m, 3), "axis_I", vector_json(question->port.axis_I, 3),     //
+        "contact", question->contact, "standoff_m", question->standoff_m,                                            //
+        "weights", "time", question->weight_time_per_s, "impulse", question->weight_impulse_per_Ns,                   //
+        "attach_heights_m", vector_json(options->attach_heights_m, options->num_attach_heights),                      //
+        "ring_angle_rad", options->ring_angle_given ? json_real(options->ring_angle_rad) : json_null(),               //
+        "method", NAME(method_names, options->method));
+}
+
+static json_t* candidates_json(const lcm_ssv_plan_t* answer) {
+    json_t* array = json_array();
+    for (int i = 0; i < answer->num_candidates; i++) {
+        const lcm_ssv_candidate_t* candidate = &answer->candidates[i];
+        json_t* json = json_pack("{s:i, s:f, s:f, s:o, s:f, s:f, s:f}", "beam_contact", candidate->contact, "attach_height_m",
+                                 candidate->attach_height_m, "ring_angle_rad", candidate->ring_angle_rad, "reason",
+                                 text_json(candidate->reason), "time_s", candidate->time_s, "impulse_Ns", candidate->impulse_Ns,
+                                 "J", candidate->cost);
+        if (json_array_append_new(array, json) != 0) {
+            json_decref(array);
+            return NULL;
+        }
+    }
+    return array;
+}
+
+static void phase_sums(const lcm_ssv_plan_t* answer, int8_t phase, double* time_s, double* impulse_Ns) {
+    *time_s = 0;
+    *impulse_Ns = 0;
+    for (int i = 0; i < answer->num_legs; i++) {
+        if (answer->legs[i].phase == phase) {
+            *time_s += answer->legs[i].duration_s;
+            *impulse_Ns += answer->legs[i].impulse_Ns;
+        }
+    }
+}
+
+static json_t* phase_json(const lcm_ssv_plan_t* answer, int8_t phase) {
+    double time_s = 0, impulse_Ns = 0;
+    phase_sums(answer, phase, &time_s, &impulse_Ns);
+    return json_pack("{s:s, s:f, s:f}", "name", phase_names[phase], "time_s", time_s, "impulse_Ns", impulse_Ns);
+}
+
+static json_t* legs_json(const lcm_ssv_plan_t* answer) {
+    json_t* array = json_array();
+    for (int i = 0; i < answer->num_legs; i++) {
+        const lcm_ssv_leg_t* leg = &answer->legs[i];
+        json_t* json = json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:o, s:o}", "phase", NAME(phase_names, leg->phase), "kind",
+                                 NAME(kind_names, leg->kind), "ramp", NAME(ramp_names, leg->ramp), "t_start_s", leg->t_start_s,
+                                 "duration_s", leg->duration_s, "impulse_Ns", leg->impulse_Ns, "peak_speed", leg->peak_speed,
+                                 "pose_start", pose_json("p_IS_m", "q_IS", &leg->X_IS_start), "pose_end",
+                                 pose_json("p_IS_m", "q_IS", &leg->X_IS_end));
+        if (json_array_append_new(array, json) != 0) {
+            json_decref(array);
+            return NULL;
+        }
+    }
+    return array;
+}
+
+static json_t* segments_json(const lcm_ssv_plan_t* answer) {
+    json_t* array = json_array();
+    for (int i = 0; i < answer->num_segments; i++) {
+        const lcm_ssv_segment_t* segment = &answer->segments[i];
+        json_t* json = json_pack("{s:f, s:f, s:o, s:o, s:i}", "t_s", segment->t_s, "duration_s", segment->duration_s, "u_start_N",
+                                 vector_json(segment->u_start_N, 6), "u_end_N", vector_json(segment->u_end_N, 6), "leg",
+                                 segment->leg);
+        if (json_array_append_new(array, json) != 0) {
+            json_decref(array);
+            return NULL;
+        }
+    }
+    return array;
+}
+
+static json_t* events_json(const lcm_ssv_plan_t* answer) {
+    json_t* array = json_array();
+    for (int i = 0; i < answer->num_events; i++) {
+        json_t* json =
+            json_pack("{s:f, s:s}", "t_s", answer->events[i].t_s, "kind", NAME(event_names, answer->events[i].kind));
+        if (json_array_append_new(array, json) != 0) {
+            json_decref(array);
+            return NULL;
+        }
+    }
+    return array;
+}
+
+/// What an answer says beside its status and reason: all of it for a plan, the question and the candidates without one.
+static json_t* content_json(const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer) {
+    if (answer->status != LCM_SSV_PLAN_T_STATUS_OK) {
+        return json_pack("{s:I, s:o, s:o, s:o}", "request_id", (json_int_t)answer->request_id, "candidates",
+                         candidates_json(answer), "scenario_hash", hash_json(answer->scenario_hash), "scenario",
+                         question_json(question));
+    }
+    return json_pack(
+        "{s:I, s:{s:f, s:f, s:f}, s:{s:i, s:f, s:f, s:i}, s:o, s:[o, o], s:o, s:{s:o}, s:o, s:{s:o, s:o}, s:o, s:o, s:o}", //
+        "request_id", (json_int_t)answer->request_id,                                                                  //
+        "cost", "J", answer->cost, "time_s", answer->time_s, "impulse_Ns", answer->impulse_Ns,                         //
+        "choice", "beam_contact", answer->choice.contact, "attach_height_m", answer->choice.attach_height_m,           //
+        "ring_angle_rad", answer->choice.ring_angle_rad, "candidates", (int)answer->choice.candidates,                 //
+        "candidates", candidates_json(answer),                                                                         //
+        "phases", phase_json(answer, LCM_SSV_LEG_T_PHASE_TRANSIT), phase_json(answer, LCM_SSV_LEG_T_PHASE_TRANSFER),   //
+        "legs", legs_json(answer), "timeline", "segments", segments_json(answer), "events", events_json(answer),       //
+        "final", "vehicle", pose_json("p_IS_m", "q_IS", &answer->X_IS_final),                                          //
+        "beam", pose_json("p_IB_m", "q_IB", &answer->X_IB_final),                                                      //
+        "scenario_hash", hash_json(answer->scenario_hash), "plan_hash", hash_json(answer->plan_hash),                  //
+        "scenario", question_json(question));
+}
+
+bool report_json(FILE* out, const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer) {
+    json_t* json = json_pack("{s:s, s:o}", "status", NAME(status_names, answer->status), "reason", text_json(answer->reason));
+    bool complete = json != NULL;
+    if (answer->status != LCM_SSV_PLAN_T_STATUS_INVALID) {
+        json_t* content = content_json(question, answer);
+        complete = complete && content != NULL && json_object_update(json, content) == 0;
+        json_decref(content);
+    }
+    complete = complete && json_dumpf(json, out, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) == 0 && fputc('\n', out) != EOF;
+    json_decref(json);
+    return complete;
+}
+
+static void candidates_table(FILE* out, const lcm_ssv_plan_t* answer) {
+    fprintf(out, "  %7s %9s %8s %11s %12s %12s\n", "contact", "height m", "ring deg", "time s", "impulse N s", "J");
+    for (int i = 0; i < answer->num_candidates; i++) {
+        const lcm_ssv_candidate_t* candidate = &answer->candidates[i];
+        fprintf(out, "  %7d %+9.4f", candidate->contact, candidate->attach_height_m);
+        if (candidate->reason[0] != '\0') {
+            fprintf(out, " %8s not feasible: %s\n", "", candidate->reason);
+            continue;
+        }
+        const bool chosen = answer->status == LCM_SSV_PLAN_T_STATUS_OK && candidate->contact == answer->choice.contact &&
+                            candidate->attach_height_m == answer->choice.attach_height_m;
+        fprintf(out, " %+8.1f %11.3f %12.3f %12.3f%s\n", candidate->ring_angle_rad * DEG_PER_RAD, candidate->time_s,
+                candidate->impulse_Ns, candidate->cost, chosen ? "  chosen" : "");
+    }
+}
+
+static void legs_table(FILE* out, const lcm_ssv_plan_t* answer) {
+    fprintf(out, "  %-10s %-10s %-13s %11s %11s %12s %13s\n", "phase", "leg", "slows by", "start s", "time s", "impulse N s",
+            "peak speed");
+    for (int i = 0; i < answer->num_legs; i++) {
+        const lcm_ssv_leg_t* leg = &answer->legs[i];
+        fprintf(out, "  %-10s %-10s %-13s %11.3f %11.3f %12.3f %7.4f %s\n", NAME(phase_names, leg->phase),
+                NAME(kind_names, leg->kind), NAME(ramp_names, leg->ramp), leg->t_start_s, leg->duration_s, leg->impulse_Ns,
+                leg->peak_speed, leg->kind == LCM_SSV_LEG_T_KIND_TRANSLATE ? "m/s" : "rad/s");
+    }
+    for (int8_t phase = LCM_SSV_LEG_T_PHASE_TRANSIT; phase <= LCM_SSV_LEG_T_PHASE_TRANSFER; phase++) {
+        double time_s = 0, impulse_Ns = 0;
+        phase_sums(answer, phase, &time_s, &impulse_Ns);
+        fprintf(out, "  %-10s %-10s %-13s %11s %11.3f %12.3f\n", phase_names[phase], "in all", "", "", time_s, impulse_Ns);
+    }
+}
+
+void report_table(FILE* out, const char* title, const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer) {
+    if (answer->status == LCM_SSV_PLAN_T_STATUS_INVALID) {
+        return;
+    }
+    if (answer->status == LCM_SSV_PLAN_T_STATUS_INFEASIBLE) {
+        fprintf(out, "%s: no plan\n\n", title);
+        candidates_table(out, answer);
+        return;
+    }
+    fprintf(out, "%s: J = %.9g /s x %.3f s + %.9g /(N s) x %.3f N s = %.3f\n\n", title, question->weight_time_per_s,
+            answer->time_s, question->weight_impulse_per_Ns, answer->impulse_Ns, answer->cost);
+    candidates_table(out, answer);
+    fputc('\n', out);
+    legs_table(out, answer);
+    fputc('\n', out);
+    for (int i = 0; i < answer->num_events; i++) {
+        fprintf(out, "  %s at %.3f s\n", NAME(event_names, answer->events[i].kind), answer->events[i].t_s);
+    }
+    fprintf(out, "  %d combinations priced, %d timeline segments, %d bytes on the wire\n", (int)answer->choice.candidates,
+            answer->num_segments, lcm_ssv_plan_t_encoded_size(answer));
+    fprintf(out, "  scenario %016" PRIx64 ", plan %016" PRIx64 "\n", (uint64_t)answer->scenario_hash,
+            (uint64_t)answer->plan_hash);
+}
