@@ -4,14 +4,16 @@ import pathlib
 import re
 import subprocess
 
-ROOT = pathlib.Path(os.environ["SSV_SOURCE_DIR"])
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
 CORE = ROOT / "firmware/planner"
-HERE = pathlib.Path(__file__).parent
-FLAGS = ["-std=c11", "-ffp-contract=off"]
 
 
-def include_flags(root=ROOT):
-    return [f"-I{root}/firmware/include", f"-I{root}/firmware"]
+
+
+def core_flags():
+    """What the build compiles the core with, whatever the compiler and its level."""
+    return ["-std=c11", *os.environ["SSV_PLANNER_OPTIONS"].split(), f"-I{ROOT}/firmware/include", f"-I{ROOT}/firmware"]
 
 
 def run(command, **options):

@@ -79,7 +79,9 @@ static ssv_scenario_t random_scenario(void) {
 
     s.vehicle.body.mass_kg = real_from_double(76.2 * vary);
     s.vehicle.body.inertia_kg_m2 = diagonal(2.7, 2.7 * vary, 2.7);
-    s.vehicle.body.added_mass_kg = is_varied ? diagonal(between(0, 60), between(0, 60), between(0, 60)) : diagonal(0, 0, 0);
+    if (is_varied) {
+        s.vehicle.body.added_mass_kg = vec3_add(random_vector(30), diagonal(30, 30, 30));
+    }
     s.vehicle.body.drag_lin_kg_s = real_from_double(413.685 * vary);
     s.vehicle.body.drag_quad_kg_m = real_from_double(is_varied ? between(0, 300) : 0);
     s.vehicle.body.drag_lin_ang_Nm_s = real_from_double(is_varied ? between(0, 1) : 0);

@@ -4,7 +4,7 @@ import pathlib
 import tempfile
 import unittest
 
-from core import HERE, include_flags, run
+from core import HERE, core_flags, run
 
 BUILD = os.environ["SSV_BUILD_DIR"]
 CLEAN = {"PATH": "/usr/bin:/bin"}
@@ -37,7 +37,7 @@ class Install(unittest.TestCase):
         run(["cmake", "-S", HERE / "consumer", "-B", self.scratch / "consumer", f"-DCMAKE_PREFIX_PATH={self.prefix}",
              f"-DPROGRAM_SOURCE={source}", "-DCMAKE_BUILD_TYPE=Release"])
         run(["cmake", "--build", self.scratch / "consumer"])
-        run([os.environ["CC"], "-std=c11", *include_flags(), source, os.environ["SSV_PLANNER_ARCHIVE"], "-lm",
+        run([os.environ["CC"], *core_flags(), source, os.environ["SSV_PLANNER_ARCHIVE"], "-lm",
              "-o", self.scratch / "direct"])
         seed_and_count = [7, 5]
         self.assertEqual(run([self.scratch / "consumer/consumer", *seed_and_count]),

@@ -4,7 +4,7 @@ import re
 import tempfile
 import unittest
 
-from core import CORE, FLAGS, include_flags, run
+from core import CORE, core_flags, run
 
 
 def call_graph(sources):
@@ -12,7 +12,7 @@ def call_graph(sources):
     edges = {}
     with tempfile.TemporaryDirectory() as scratch:
         for number, source in enumerate(sources):
-            run(["gcc", *FLAGS, "-O0", "-fcallgraph-info", *include_flags(), "-c", source, "-o", f"{scratch}/{number}.o"])
+            run(["gcc", *core_flags(), "-O0", "-fcallgraph-info", "-c", source, "-o", f"{scratch}/{number}.o"])
         for graph in pathlib.Path(scratch).glob("*.ci"):
             for caller, callee in re.findall(r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"', graph.read_text()):
                 edges.setdefault(caller, set()).add(callee)
