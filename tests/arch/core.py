@@ -9,8 +9,6 @@ ROOT = HERE.parents[1]
 CORE = ROOT / "firmware/planner"
 
 
-
-
 def core_flags():
     """What the build compiles the core with, whatever the compiler and its level."""
     return ["-std=c11", *os.environ["SSV_PLANNER_OPTIONS"].split(), f"-I{ROOT}/firmware/include", f"-I{ROOT}/firmware"]
