@@ -160,7 +160,8 @@ static void reason_add_candidates(ssv_answer_t* answer) {
     reason_add(answer, "no feasible candidate");
     for (int i = 0; i < answer->wire.num_candidates; i++) {
         const lcm_ssv_candidate_t* candidate = &answer->candidates[i];
-        reason_add(answer, "; contact %d, height %.9g m: %s", candidate->contact, candidate->attach_height_m, candidate->reason);
+        reason_add(answer, "; contact %d, height %.9g m: %s", candidate->contact, candidate->attach_height_m,
+                   candidate->reason);
     }
 }
 
