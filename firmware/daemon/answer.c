@@ -134,25 +134,25 @@ static void reason_add_fault(ssv_answer_t* answer, const ssv_fault_t* fault) {
     const double max = real_to_double(fault->max);
     reason_add_field(answer, fault->field, fault->index);
     switch (fault->status) {
-    case SSV_E_NOT_FINITE:
-        // printf would show the sign of a NaN, which means nothing.
-        reason_add(answer, ": %s is not a finite number", isnan(value) ? "nan" : value < 0 ? "-inf" : "inf");
-        break;
-    case SSV_E_RANGE:
-        reason_add(answer, ": %.9g is outside its range [%.9g, %.9g]", value, min, max);
-        break;
-    case SSV_E_NOT_UNIT:
-        reason_add(answer, ": length %.9g is not 1 within %.3g", value, real_to_double(SSV_UNIT_TOLERANCE));
-        break;
-    case SSV_E_SINGULAR:
-        reason_add(answer, ": placed so that they cannot hold every force and moment");
-        break;
-    case SSV_E_WEIGHTS:
-        reason_add(answer, ": both are zero, one must be positive");
-        break;
-    case SSV_OK:
-    case SSV_INFEASIBLE:
-        break;
+        case SSV_E_NOT_FINITE:
+            // printf would show the sign of a NaN, which means nothing.
+            reason_add(answer, ": %s is not a finite number", isnan(value) ? "nan" : value < 0 ? "-inf" : "inf");
+            break;
+        case SSV_E_RANGE:
+            reason_add(answer, ": %.9g is outside its range [%.9g, %.9g]", value, min, max);
+            break;
+        case SSV_E_NOT_UNIT:
+            reason_add(answer, ": length %.9g is not 1 within %.3g", value, real_to_double(SSV_UNIT_TOLERANCE));
+            break;
+        case SSV_E_SINGULAR:
+            reason_add(answer, ": placed so that they cannot hold every force and moment");
+            break;
+        case SSV_E_WEIGHTS:
+            reason_add(answer, ": both are zero, one must be positive");
+            break;
+        case SSV_OK:
+        case SSV_INFEASIBLE:
+            break;
     }
 }
 

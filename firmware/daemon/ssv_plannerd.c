@@ -136,13 +136,13 @@ static bool drain(plannerd_t* self) {
 
 static void count_answer(lcm_ssv_planner_status_t* status, ssv_status_t outcome) {
     switch (outcome) {
-    case SSV_OK: status->accepted++; break;
-    case SSV_INFEASIBLE: status->infeasible++; break;
-    case SSV_E_NOT_FINITE: status->rejected_not_finite++; break;
-    case SSV_E_RANGE: status->rejected_range++; break;
-    case SSV_E_NOT_UNIT: status->rejected_not_unit++; break;
-    case SSV_E_SINGULAR: status->rejected_singular++; break;
-    case SSV_E_WEIGHTS: status->rejected_weights++; break;
+        case SSV_OK: status->accepted++; break;
+        case SSV_INFEASIBLE: status->infeasible++; break;
+        case SSV_E_NOT_FINITE: status->rejected_not_finite++; break;
+        case SSV_E_RANGE: status->rejected_range++; break;
+        case SSV_E_NOT_UNIT: status->rejected_not_unit++; break;
+        case SSV_E_SINGULAR: status->rejected_singular++; break;
+        case SSV_E_WEIGHTS: status->rejected_weights++; break;
     }
 }
 
@@ -173,7 +173,8 @@ static void answer_new(plannerd_t* self, const pending_t* next) {
     }
     const double plan_ms = (double)plan_us / 1e3;
     if (outcome == SSV_INFEASIBLE) {
-        log_line(LOG_INFO, "scenario %" PRId64 ": infeasible after %.3f ms: %s", question->request_id, plan_ms, wire->reason);
+        log_line(LOG_INFO, "scenario %" PRId64 ": infeasible after %.3f ms: %s", question->request_id, plan_ms,
+                 wire->reason);
     } else {
         log_line(LOG_INFO, "scenario %" PRId64 ": ok, J %.6g, %.6g s, %.6g N s, %d segments, planned in %.3f ms",
                  question->request_id, wire->cost, wire->time_s, wire->impulse_Ns, wire->num_segments, plan_ms);
@@ -224,7 +225,8 @@ static void report(plannerd_t* self) {
 
     const int64_t undecodable = self->status.rejected_undecodable - self->undecodable_reported;
     if (undecodable > 0) {
-        log_line(LOG_WARN, "%" PRId64 " datagrams on " CHANNEL_SCENARIO " were not scenarios: does their sender use other types?",
+        log_line(LOG_WARN,
+                 "%" PRId64 " datagrams on " CHANNEL_SCENARIO " were not scenarios; is their sender of another version?",
                  undecodable);
         self->undecodable_reported = self->status.rejected_undecodable;
     }
@@ -262,7 +264,8 @@ static int serve(plannerd_t* self) {
     return EXIT_SUCCESS;
 }
 
-/// Signals arrive through a descriptor. Before LCM starts its threads, so that they inherit the mask. @return false on failure.
+/// Signals arrive through a descriptor. Call it before LCM starts its threads, so that they inherit the mask.
+/// @return false on failure.
 static bool open_signals(plannerd_t* self) {
     sigset_t stop;
     sigemptyset(&stop);
@@ -290,12 +293,12 @@ typedef struct {
 } options_t;
 
 static const char manual[] =
-    "The onboard planner: answers every scenario on LCM channel " CHANNEL_SCENARIO " with a plan, or the reason why there is "
-    "none, on " CHANNEL_PLAN ", and gives a sign of life with counters on " CHANNEL_STATUS " once a second."
+    "The onboard planner: answers every scenario on LCM channel " CHANNEL_SCENARIO " with a plan, or the reason why there "
+    "is none, on " CHANNEL_PLAN ", and gives a sign of life with counters on " CHANNEL_STATUS " once a second."
     "\v"
-    "Each request id is answered once; a repeated id gets the same bytes again, as long as its answer is among the last 256. "
-    "The newest planning epoch wins: a new scenario older than the newest valid one seen is refused. Waiting scenarios are "
-    "answered in the order of arrival. The log goes to standard error, one line per answer.\n\n"
+    "Each request id is answered once; a repeated id gets the same bytes again, as long as its answer is among the last "
+    "256. The newest planning epoch wins: a new scenario older than the newest valid one seen is refused. Waiting scenarios "
+    "are answered in the order of arrival. The log goes to standard error, one line per answer.\n\n"
     "LCM's own default URL is udpm://239.255.76.67:7667?ttl=0, this machine only; it needs a multicast route, e.g. "
     "`sudo ip route add 224.0.0.0/4 dev lo`.\n\n"
     "Examples:\n"
@@ -316,10 +319,10 @@ static const struct argp_option option_table[] = {
 static error_t parse_option(int key, char* argument, struct argp_state* state) {
     options_t* options = state->input;
     switch (key) {
-    case 'l': options->lcm_url = argument; return 0;
-    case 'v': options->verbose = true; return 0;
-    case ARGP_KEY_ARG: argp_error(state, "unexpected argument '%s'", argument); return 0;
-    default: return ARGP_ERR_UNKNOWN;
+        case 'l': options->lcm_url = argument; return 0;
+        case 'v': options->verbose = true; return 0;
+        case ARGP_KEY_ARG: argp_error(state, "unexpected argument '%s'", argument); return 0;
+        default: return ARGP_ERR_UNKNOWN;
     }
 }
 
@@ -332,8 +335,8 @@ int main(int argc, char** argv) {
     argp_parse(&parser, argc, argv, 0, NULL, &options);
     log_set_verbose(options.verbose);
 
-    const char* environment_url = getenv("LCM_DEFAULT_URL");
-    const char* url = options.lcm_url != NULL ? options.lcm_url : environment_url != NULL ? environment_url : "LCM's default URL";
+    const char* default_url = getenv("LCM_DEFAULT_URL");
+    const char* url = options.lcm_url != NULL ? options.lcm_url : default_url != NULL ? default_url : "LCM's default URL";
     if (!open_signals(&self)) {
         log_line(LOG_ERROR, "cannot receive signals: %s", strerror(errno));
         return EXIT_FAILURE;
@@ -353,7 +356,7 @@ int main(int argc, char** argv) {
     log_line(LOG_INFO, "ssv-plannerd " SSV_VERSION " listens for " CHANNEL_SCENARIO " at %s", url);
 
     const int code = serve(&self);
-    log_line(LOG_INFO, "stopping: %" PRId64 " received, %" PRId64 " planned, %" PRId64 " repeated, worst planning time %.3f ms",
+    log_line(LOG_INFO, "stops: %" PRId64 " received, %" PRId64 " planned, %" PRId64 " repeated, worst planning time %.3f ms",
              self.status.received, self.status.accepted + self.status.infeasible, self.status.repeated,
              (double)self.status.worst_plan_us / 1e3);
     lcm_destroy(self.lcm);
