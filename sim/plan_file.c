@@ -11,6 +11,7 @@
 #define MAX_FILE_BYTES ((size_t)16 << 20)
 #define MAX_SEGMENTS ((size_t)100000)
 #define MAX_LEGS ((size_t)100000)
+#define MAX_DURATION_S 1e5
 #define UNIT_TOLERANCE 1e-3
 #define PI 3.14159265358979323846
 
@@ -285,6 +286,9 @@ static void read_timeline(reader_t* reader, const node_t* root, plan_file_t* pla
         if (leg[i] < (i == 0 ? 0 : leg[i - 1]) || leg[i] >= (long long)num_legs) {
             fail(reader, segment.path, "leg %lld must count up from 0 and stay below the %zu legs", leg[i], num_legs);
         }
+    }
+    if (n > 0 && end_s[n - 1] > MAX_DURATION_S) {
+        fail(reader, timeline.path, "lasts %.9g s, at most %g s are accepted", end_s[n - 1], MAX_DURATION_S);
     }
     if (length(reader, &events, 2) != 2) {
         fail(reader, events.path, "must be two: mate, then dock");

@@ -257,6 +257,7 @@ class BadPlanFile(unittest.TestCase):
                 (("timeline", "segments", 1, "u_end_N"), [1, 2, 3], "timeline.segments[1].u_end_N: must be a list of 6"),
                 (("timeline", "segments", 1, "u_end_N", 5), "full", "timeline.segments[1].u_end_N[5]: must be a number"),
                 (("legs", 1, "phase"), "transfer", "legs[1]: must be of phase \"transit\""),
+                (("timeline", "segments", 5, "duration_s"), 2e5, "timeline: lasts 200088 s, at most 100000 s"),
                 (("events", 0, "t_s"), 67.0, "events[0]: t_s 67 is not where a timeline segment ends"),
                 (("events", 1, "t_s"), 88.0, "events[1]: must be where the timeline ends, at t_s 108"),
                 (("events", 0, "kind"), "dock", "events[0]: must be of kind \"mate\""),
