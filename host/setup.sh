@@ -118,7 +118,7 @@ ssv_private() {
             "(unshare --net is refused, as in many containers). Give it one, as root, then run the script again:" \
             "  ip link set lo up && ip route add 224.0.0.0/4 dev lo"
     fi
-    _ssv_say "No private network to be had (unshare --net is refused): using the machine's own."
+    echo "No private network to be had (unshare --net is refused): using the machine's own." >&2
     "$@"
 }
 

@@ -14,15 +14,17 @@ Examples:
 
 Exit codes: 0 every test passed, 8 some failed, 1 the set-up or the build failed."
 
+seconds_per_test=900
 options=()
 for option in "$@"; do
     case $option in
         -h | --help) printf '%s\n' "$help" && exit 0 ;;
-        --long) export SSV_LONG=1 ;;
+        --long) export SSV_LONG=1 seconds_per_test=36000 ;;
         *) options+=("$option") ;;
     esac
 done
 
 source "$(dirname "${BASH_SOURCE[0]}")/../host/setup.sh"
 ssv_setup tests
-ssv_private ctest --test-dir "$SSV_BUILD" --output-on-failure --no-tests=error --parallel 2 "${options[@]}"
+ssv_private ctest --test-dir "$SSV_BUILD" --output-on-failure --no-tests=error --parallel 2 \
+    --timeout "$seconds_per_test" "${options[@]}"
