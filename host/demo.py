@@ -1,0 +1,262 @@
+"""The demo behind demo.sh: asks a planner of its own over LCM for the paper's case study and prints the paper's tables
+beside what comes back.
+
+    python3 demo.py BIN_FOLDER
+
+Exit codes: 0 every plan arrived, 1 one did not.
+"""
+
+import csv
+import ctypes
+import json
+import math
+import os
+import re
+import signal
+import string
+import subprocess
+import sys
+import tempfile
+import textwrap
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+SCENARIO = ROOT / "host/scenarios/paper_case.yaml"
+PAPER_TABLES = ROOT / "tests/golden/paper_tables.csv"
+ATTACHMENTS = {"1": 1.524, "2": 0.0, "3": -1.524}  # the paper's number of the attachment: height along the beam [m]
+TIME, FUEL = "1,0", "0,1"  # weights; the paper's tables are for full thrust, as time alone asks for
+NOTE_ABOVE = 0.002  # a larger difference gets its reason
+TITLES = {
+    "5": "Table 5: the vehicle flies to the beam",
+    "6": "Table 6: the vehicle carries the beam to the hub",
+    "7": "Table 7: all of it",
+}
+
+
+class Failed(Exception):
+    """What went wrong, for the person at the terminal."""
+
+
+def end_with_parent(number):
+    """Has the kernel send this process a signal when its parent ends, however it ends."""
+    pr_set_pdeathsig = 1
+    ctypes.CDLL(None).prctl(pr_set_pdeathsig, number)
+
+
+class Planner:
+    """A running ssv-plannerd; leaving the `with` block stops it. Its log has no name, so nothing remains of it."""
+
+    def __init__(self, bin_dir):
+        self._program = bin_dir / "ssv-plannerd"
+
+    def __enter__(self):
+        self._log = tempfile.TemporaryFile()
+        self._process = subprocess.Popen(
+            [self._program],
+            stdin=subprocess.DEVNULL,
+            stdout=self._log,
+            stderr=self._log,
+            preexec_fn=lambda: end_with_parent(signal.SIGKILL),
+        )
+        return self
+
+    def __exit__(self, *_):
+        self._process.terminate()
+        try:
+            self._process.wait(timeout=5)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._log.close()
+
+    def log(self):
+        return os.pread(self._log.fileno(), 1 << 20, 0).decode(errors="replace")
+
+
+def ask(bin_dir, attachment, weights):
+    """The plan for one attachment, as the planner gave it over LCM."""
+    scenario = SCENARIO.read_text() + f"attach_heights_m: [{ATTACHMENTS[attachment]}]\n"
+    command = [bin_dir / "ssv", "plan", "/dev/stdin", "--lcm", "--format", "json", "--weights", weights]
+    done = subprocess.run(command, input=scenario, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise Failed(f"No plan for attachment {attachment} with weights {weights}.\n{done.stderr}")
+    return json.loads(done.stdout)
+
+
+def rotation(q_start, q_end):
+    """Angle [rad] and axis in I of the turn from one attitude to another: q_end = q_turn q_start."""
+    w1, x1, y1, z1 = q_end
+    w2, x2, y2, z2 = q_start[0], -q_start[1], -q_start[2], -q_start[3]
+    w = w1 * w2 - x1 * x2 - y1 * y2 - z1 * z2
+    axis = [
+        w1 * x2 + x1 * w2 + y1 * z2 - z1 * y2,
+        w1 * y2 - x1 * z2 + y1 * w2 + z1 * x2,
+        w1 * z2 + x1 * y2 - y1 * x2 + z1 * w2,
+    ]
+    norm = math.hypot(*axis)
+    sign = -1 if w < 0 else 1
+    return 2 * math.atan2(norm, sign * w), [sign * a / norm for a in axis]
+
+
+def pair_centre(scenario, p_vehicle, p_beam):
+    m_vehicle, m_beam = scenario["vehicle"]["mass_kg"], scenario["beam"]["mass_kg"]
+    return [(m_vehicle * a + m_beam * b) / (m_vehicle + m_beam) for a, b in zip(p_vehicle, p_beam)]
+
+
+def peak_thrust(plan, leg, thrusters):
+    """Largest sum of absolute thrusts [N] of these thrusters during a leg."""
+    segments = [s for s in plan["timeline"]["segments"] if s["leg"] == leg]
+    return max(sum(abs(s[end][i]) for i in thrusters) for s in segments for end in ("u_start_N", "u_end_N"))
+
+
+def our_values(plan):
+    """Our number for each (table, row) of the paper; rows that have none of ours are left out."""
+    fly, turn, pair_turn, pair_fly = plan["legs"]
+    # In both flights body x lies along x_I and body y along y_I, so these thrusters push along them.
+    along_x, along_y, every = (0, 1), (2, 3), range(6)
+    scenario, final = plan["scenario"], plan["final"]
+    start = pair_centre(scenario, pair_turn["pose_start"]["p_IS_m"], scenario["X_IB"]["p_IB_m"])
+    end = pair_centre(scenario, final["vehicle"]["p_IS_m"], final["beam"]["p_IB_m"])
+    turn_angle, turn_axis = rotation(turn["pose_start"]["q_IS"], turn["pose_end"]["q_IS"])
+    pair_angle, pair_axis = rotation(pair_turn["pose_start"]["q_IS"], pair_turn["pose_end"]["q_IS"])
+    return {
+        ("5", "translation to beam, x"): fly["pose_end"]["p_IS_m"][0],
+        ("5", "translation to beam, y"): fly["pose_end"]["p_IS_m"][1],
+        ("5", "rotation to beam, angle"): turn_angle,
+        ("5", "rotation to beam, axis z"): turn_axis[2],
+        ("5", "time of translation, x"): fly["duration_s"],
+        ("5", "thrust of translation, x"): peak_thrust(plan, 0, along_x),
+        ("5", "thrust of translation, y"): peak_thrust(plan, 0, along_y),
+        ("5", "time of rotation"): turn["duration_s"],
+        ("5", "thrust of rotation"): peak_thrust(plan, 1, every),
+        ("6", "centre of the pair, x"): start[0],
+        ("6", "centre of the pair, y"): start[1],
+        ("6", "rotation to hub, angle"): pair_angle,
+        ("6", "rotation to hub, axis z"): pair_axis[2],
+        ("6", "translation to hub, x"): end[0] - start[0],
+        ("6", "translation to hub, y"): end[1] - start[1],
+        ("6", "time of rotation"): pair_turn["duration_s"],
+        ("6", "thrust of rotation"): peak_thrust(plan, 2, every),
+        ("6", "thrust of translation, x"): peak_thrust(plan, 3, along_x),
+        ("6", "time of translation, y"): pair_fly["duration_s"],
+        ("6", "thrust of translation, y"): peak_thrust(plan, 3, along_y),
+        ("7", "time of translation, SSV"): fly["duration_s"],
+        ("7", "fuel of translation, SSV"): fly["impulse_Ns"],
+        ("7", "time of rotation, SSV"): turn["duration_s"],
+        ("7", "fuel of rotation, SSV"): turn["impulse_Ns"],
+        ("7", "time of rotation, pair"): pair_turn["duration_s"],
+        ("7", "fuel of rotation, pair"): pair_turn["impulse_Ns"],
+        ("7", "time of translation, pair"): pair_fly["duration_s"],
+        ("7", "fuel of translation, pair"): pair_fly["impulse_Ns"],
+        ("7", "total time"): plan["cost"]["time_s"],
+        ("7", "total fuel"): plan["cost"]["impulse_Ns"],
+    }
+
+
+class Notes:
+    """Gives each reason a letter, in the order in which they come up."""
+
+    def __init__(self):
+        self._reasons = []
+
+    def letter(self, reason):
+        if reason not in self._reasons:
+            self._reasons.append(reason)
+        return string.ascii_lowercase[self._reasons.index(reason)]
+
+    def lines(self):
+        for letter, reason in zip(string.ascii_lowercase, self._reasons):
+            yield from textwrap.wrap(reason, 116, initial_indent=f"{letter}  ", subsequent_indent="   ")
+
+
+def number(value):
+    return f"{value:8.4f}" if abs(value) < 1000 else f"{value:8.1f}"
+
+
+def cell(row, ours, notes):
+    """28 columns: the paper's value, ours, their difference, and the letter of its reason."""
+    paper = float(row["paper_value"])
+    if ours is None:
+        return f"{number(paper)} {'-':>8} {'':8} {notes.letter(row['reason'])}"
+    difference = (ours - paper) / abs(paper)
+    note = notes.letter(row["reason"]) if abs(difference) > NOTE_ABOVE else ""
+    percent = round(100 * difference, 2) + 0.0  # no -0.00
+    return f"{number(paper)} {number(ours)} {percent:+7.2f}% {note:1}"
+
+
+def print_tables(plans, paper_rows):
+    notes = Notes()
+    ours = {attachment: our_values(plan) for attachment, plan in plans.items()}
+    columns = f"{'paper':>8} {'ours':>8} {'diff':>8}  "
+    for table, title in TITLES.items():
+        headings = [f"attachment {a} ({h:+.3f} m)".center(28) for a, h in ATTACHMENTS.items()]
+        print(f"\n{title}")
+        print(f"{'':32}{' '.join(headings)}".rstrip())
+        print(f"{'':32}{' '.join(3 * [columns])}".rstrip())
+        rows = [row for row in paper_rows if row["table"] == table]
+        for name in dict.fromkeys(row["row"] for row in rows):
+            of_name = {row["attachment"]: row for row in rows if row["row"] == name}
+            cells = [cell(of_name[a], ours[a].get((table, name)), notes) for a in ATTACHMENTS]
+            print(f"{name + ' [' + of_name['1']['unit'] + ']':32}{' '.join(cells)}".rstrip())
+    print("\nWhy they differ by more than 0.2 %:")
+    print("\n".join(notes.lines()))
+
+
+def print_winners(plans, paper_rows):
+    print(f"\n{'Best attachment':30}{'paper':30}ours")
+    for goal, weights, row_name, key, unit in (
+        ("for time (weights 1, 0)", TIME, "total time", "time_s", "s"),
+        ("for fuel (weights 0, 1)", FUEL, "total fuel", "impulse_Ns", "N s"),
+    ):
+        of_paper = {r["attachment"]: float(r["paper_value"]) for r in paper_rows if (r["table"], r["row"]) == ("7", row_name)}
+        of_ours = {a: plans[weights][a]["cost"][key] for a in ATTACHMENTS}
+        best = [min(values, key=values.get) for values in (of_paper, of_ours)]
+        cells = [f"{a} ({values[a]:.1f} {unit})" for a, values in zip(best, (of_paper, of_ours))]
+        print(f"{goal:30}{cells[0]:30}{cells[1]}")
+    print("The paper's fuel is that of full-thrust ramps; ours with weights 0, 1 lets drag slow the vehicle.")
+
+
+def print_effort(plans, log):
+    """What the planner's log says about the plans: size on the wire and time to plan."""
+    sizes, times_ms = [], []
+    for plan in plans:
+        line = re.search(rf"scenario {plan['request_id']}: ok,.* (\d+) bytes, planned in ([\d.]+) ms", log)
+        if line is None:
+            raise Failed(f"The planner's log does not tell of request {plan['request_id']}.")
+        sizes.append(int(line[1]))
+        times_ms.append(float(line[2]))
+    print(f"\n{len(plans)} plans received over LCM: {min(sizes)} to {max(sizes)} bytes each, "
+          f"planned in {min(times_ms):.3f} to {max(times_ms):.3f} ms each.")
+
+
+def run(bin_dir):
+    with PAPER_TABLES.open() as file:
+        paper_rows = list(csv.DictReader(file))
+    with Planner(bin_dir) as planner:
+        try:
+            plans = {weights: {a: ask(bin_dir, a, weights) for a in ATTACHMENTS} for weights in (TIME, FUEL)}
+            print("The paper's case study, planned by ssv-plannerd over LCM for each of the paper's three attachments.")
+            print_tables(plans[TIME], paper_rows)
+            print_winners(plans, paper_rows)
+            print_effort([plan for of_weights in plans.values() for plan in of_weights.values()], planner.log())
+        except Failed as failure:
+            raise Failed(f"{failure}\nThe log of ssv-plannerd:\n{planner.log()}") from failure
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    end_with_parent(signal.SIGTERM)
+    # As an exception, a signal unwinds through the `with` block that stops the planner.
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda number, _: sys.exit(128 + number))
+    try:
+        run(Path(sys.argv[1]))
+    except Failed as failure:
+        sys.exit(str(failure))
+    except KeyboardInterrupt:
+        sys.exit(128 + signal.SIGINT)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+set -euo pipefail
+help="Usage: bash host/demo.sh
+
+Builds, starts the planner ssv-plannerd, sends it the paper's case study over LCM, and prints the paper's Tables 5-7 beside
+what comes back. Stops the planner again and leaves no process and no file behind, whatever happens.
+
+Exit codes: 0 every plan arrived, 1 the set-up or the build failed or a plan did not arrive, 64 wrong arguments."
+
+if (($# > 0)); then
+    case $1 in
+        -h | --help) printf '%s\n' "$help" && exit 0 ;;
+        *) printf 'There are no arguments.\n%s\n' "$help" >&2 && exit 64 ;;
+    esac
+fi
+
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+ssv_setup demo
+ssv_with_multicast "$SSV_PYTHON" -B "$SSV_ROOT/host/demo.py" "$SSV_BUILD/bin"
