@@ -176,8 +176,9 @@ static void answer_new(plannerd_t* self, const pending_t* next) {
         log_line(LOG_INFO, "scenario %" PRId64 ": infeasible after %.3f ms: %s", question->request_id, plan_ms,
                  wire->reason);
     } else {
-        log_line(LOG_INFO, "scenario %" PRId64 ": ok, J %.6g, %.6g s, %.6g N s, %d segments, planned in %.3f ms",
-                 question->request_id, wire->cost, wire->time_s, wire->impulse_Ns, wire->num_segments, plan_ms);
+        log_line(LOG_INFO, "scenario %" PRId64 ": ok, J %.6g, %.6g s, %.6g N s, %d segments, %d bytes, planned in %.3f ms",
+                 question->request_id, wire->cost, wire->time_s, wire->impulse_Ns, wire->num_segments,
+                 lcm_ssv_plan_t_encoded_size(wire), plan_ms);
     }
 }
 
