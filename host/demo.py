@@ -208,7 +208,8 @@ def print_winners(plans, paper_rows):
         ("for time (weights 1, 0)", TIME, "total time", "time_s", "s"),
         ("for fuel (weights 0, 1)", FUEL, "total fuel", "impulse_Ns", "N s"),
     ):
-        of_paper = {r["attachment"]: float(r["paper_value"]) for r in paper_rows if (r["table"], r["row"]) == ("7", row_name)}
+        rows = [row for row in paper_rows if (row["table"], row["row"]) == ("7", row_name)]
+        of_paper = {row["attachment"]: float(row["paper_value"]) for row in rows}
         of_ours = {a: plans[weights][a]["cost"][key] for a in ATTACHMENTS}
         best = [min(values, key=values.get) for values in (of_paper, of_ours)]
         cells = [f"{a} ({values[a]:.1f} {unit})" for a, values in zip(best, (of_paper, of_ours))]

@@ -45,9 +45,9 @@ static bool skip_string(const uint8_t* data, size_t size, size_t* at) {
     return true;
 }
 
-/// Whether the datagram is a plan_t that can be decoded: the generated decoder allocates what the counts and the string lengths
-/// say, and does not look for the strings' terminators. Offsets follow plan_t.lcm and candidate_t.lcm; the fingerprint
-/// vouches for them.
+/// Whether the datagram is a plan_t that can be decoded: the generated decoder allocates what the counts and the string
+/// lengths say, and does not look for the strings' terminators. Offsets follow plan_t.lcm and candidate_t.lcm; the
+/// fingerprint vouches for them.
 static bool plan_is_decodable(const uint8_t* data, size_t size) {
     static const uint32_t count_max[4] = {SSV_MAX_CANDIDATES, SSV_MAX_LEGS, SSV_MAX_SEGMENTS, SSV_MAX_EVENTS};
     const size_t reason_at = 8 + 4 * 4 + 4 * 8 + 1;
@@ -141,8 +141,8 @@ bool ask(const char* url, double timeout_s, const lcm_ssv_scenario_t* question, 
     }
     char foreign[128] = "";
     if (wait.foreign > 0) {
-        snprintf(foreign, sizeof foreign, " (%d messages on SSV_PLAN are of another type: is the planner of another version?)",
-                 wait.foreign);
+        snprintf(foreign, sizeof foreign,
+                 " (%d messages on SSV_PLAN are of another type: is the planner of another version?)", wait.foreign);
     }
     snprintf(error, error_size, "nobody answered on %s within %g s%s; start ssv-plannerd there, or plan without --lcm",
              url_in_use(url), timeout_s, foreign);

@@ -8,8 +8,8 @@
 #include "lcm_ssv_plan_t.h"
 #include "lcm_ssv_scenario_t.h"
 
-/// Publishes the question on SSV_SCENARIO and waits for the plan on SSV_PLAN that carries its request id. The question is sent
-/// again every half second, since a datagram may be lost and the planner answers a repeated id from its store.
+/// Publishes the question on SSV_SCENARIO and waits for the plan on SSV_PLAN that carries its request id. The question is
+/// sent again every half second, since a datagram may be lost and the planner answers a repeated id from its store.
 /// @param url     LCM provider; NULL for LCM's default (the environment's LCM_DEFAULT_URL, else UDP multicast).
 /// @param answer  written only on success; the caller frees it with lcm_ssv_plan_t_decode_cleanup.
 /// @return true; or false with a sentence in `error`: no transport, or no answer within timeout_s.

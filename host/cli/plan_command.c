@@ -21,18 +21,20 @@ static const char doc[] =
     "J = W1 time + W2 impulse."
     "\vExamples:\n"
     "  ssv plan host/scenarios/paper_case.yaml\n"
-    "  ssv plan task.yaml --weights 1,0                          time alone counts\n"
-    "  ssv plan task.yaml --format json --output plan.json       for scripts and ssv-replay\n"
-    "  ssv plan task.yaml --lcm                                  asks a running ssv-plannerd\n"
+    "  ssv plan task.yaml --weights 1,0     time alone counts\n"
+    "  ssv plan task.yaml --format json --output plan.json\n"
+    "                                       for scripts and ssv-replay\n"
+    "  ssv plan task.yaml --lcm             asks a running ssv-plannerd\n"
     "  ssv plan task.yaml --lcm=udpm://239.255.76.67:7667?ttl=1 --timeout 10\n"
     "\n"
-    "A scenario names a model by the name of a file in the models folder (paper, ease) or by a path relative to the "
-    "scenario file. FILE is replaced in one step when the answer is complete, or left as it was.\n"
+    "The scenario's model is the name of a file in the models folder (paper, ease) or a path from the scenario file, "
+    "mine.yaml or FOLDER/mine.yaml. FILE is replaced in one step when the answer is complete, or left as it was.\n"
     "\n"
     "Exit codes:\n"
     "   0  plan found\n"
-    "   2  the scenario is refused: a file cannot be read, or a key or value is wrong (the message names it)\n"
-    "   3  the scenario is sound, but no plan exists (the table or JSON says why, per candidate)\n"
+    "   2  the scenario is refused: a file cannot be read, or a key or a value is\n"
+    "      wrong; the message names it\n"
+    "   3  the scenario is sound, but there is no plan; the answer says why\n"
     "   4  nobody answered over LCM, or LCM does not work here\n"
     "  64  wrong arguments\n"
     "   1  anything else, e.g. FILE cannot be written\n";
@@ -129,8 +131,8 @@ static char* find_models(void) {
     return resolved != NULL ? resolved : strdup(joined);
 }
 
-/// Unique per run: microseconds of the clock, and which of four processes that start within the same one. Below 2^53, so that
-/// JSON readers with nothing but doubles keep it whole.
+/// The request id is unique per run: microseconds of the clock, and the process, for two that start within the same one.
+/// Below 2^53, so that JSON readers with nothing but doubles keep it whole.
 static void stamp(lcm_ssv_scenario_t* question) {
     struct timespec now;
     clock_gettime(CLOCK_REALTIME, &now);

@@ -22,13 +22,18 @@ static const char* const ramp_names[] = {"full_reverse", "drag_only"};
 static const char* const event_names[] = {"mate", "dock"};
 static const char* const method_names[] = {"paper"};
 
+/// Appends to an array, which becomes NULL if the value is; NULL in a larger whole makes that NULL too.
+static void append(json_t** array, json_t* value) {
+    if (json_array_append_new(*array, value) != 0) {
+        json_decref(*array);
+        *array = NULL;
+    }
+}
+
 static json_t* vector_json(const double* values, int count) {
     json_t* array = json_array();
     for (int i = 0; i < count; i++) {
-        if (json_array_append_new(array, json_real(values[i])) != 0) {
-            json_decref(array);
-            return NULL;
-        }
+        append(&array, json_real(values[i]));
     }
     return array;
 }
@@ -64,9 +69,13 @@ static json_t* pose_json(const char* p_key, const char* q_key, const lcm_ssv_pos
 }
 
 static json_t* body_json(const lcm_ssv_body_t* body) {
-    return json_pack("{s:f, s:o, s:o, s:f, s:f, s:f, s:f}", "mass_kg", body->mass_kg, "inertia_kg_m2",
-                     vector_json(body->inertia_kg_m2, 3), "added_mass_kg", vector_json(body->added_mass_kg, 3), "drag_lin_kg_s",
-                     body->drag_lin_kg_s, "drag_quad_kg_m", body->drag_quad_kg_m, "drag_lin_ang_Nm_s", body->drag_lin_ang_Nm_s,
+    return json_pack("{s:f, s:o, s:o, s:f, s:f, s:f, s:f}",
+                     "mass_kg", body->mass_kg,
+                     "inertia_kg_m2", vector_json(body->inertia_kg_m2, 3),
+                     "added_mass_kg", vector_json(body->added_mass_kg, 3),
+                     "drag_lin_kg_s", body->drag_lin_kg_s,
+                     "drag_quad_kg_m", body->drag_quad_kg_m,
+                     "drag_lin_ang_Nm_s", body->drag_lin_ang_Nm_s,
                      "drag_quad_ang_Nm_s2", body->drag_quad_ang_Nm_s2);
 }
 
@@ -75,11 +84,11 @@ static json_t* vehicle_json(const lcm_ssv_vehicle_t* vehicle) {
     for (size_t i = 0; i < sizeof vehicle->thruster / sizeof vehicle->thruster[0]; i++) {
         json_t* thruster = json_pack("{s:o, s:o}", "p_ST_m", vector_json(vehicle->thruster[i].p_ST_m, 3), "n_T_S",
                                      vector_json(vehicle->thruster[i].n_T_S, 3));
-        json_array_append_new(thrusters, thruster);
+        append(&thrusters, thruster);
     }
     json_t* json = body_json(&vehicle->body);
-    json_t* rest = json_pack("{s:f, s:f, s:o}", "radius_m", vehicle->radius_m, "force_max_N", vehicle->force_max_N, "thrusters",
-                             thrusters);
+    json_t* rest = json_pack("{s:f, s:f, s:o}", "radius_m", vehicle->radius_m, "force_max_N", vehicle->force_max_N,
+                             "thrusters", thrusters);
     json_object_update(json, rest);
     json_decref(rest);
     return json;
@@ -97,15 +106,15 @@ static json_t* beam_json(const lcm_ssv_beam_t* beam) {
 static json_t* question_json(const lcm_ssv_scenario_t* question) {
     const lcm_ssv_options_t* options = &question->options;
     return json_pack(
-        "{s:I, s:I, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:i, s:f, s:{s:f, s:f}, s:o, s:o, s:s}", //
-        "request_id", (json_int_t)question->request_id, "epoch_us", (json_int_t)question->epoch_us,                   //
-        "vehicle", vehicle_json(&question->vehicle), "beam", beam_json(&question->beam),                              //
-        "X_IS", pose_json("p_IS_m", "q_IS", &question->X_IS), "X_IB", pose_json("p_IB_m", "q_IB", &question->X_IB),   //
-        "port", "p_IP_m", vector_json(question->port.p_IP_m, 3), "axis_I", vector_json(question->port.axis_I, 3),     //
-        "contact", question->contact, "standoff_m", question->standoff_m,                                            //
-        "weights", "time", question->weight_time_per_s, "impulse", question->weight_impulse_per_Ns,                   //
-        "attach_heights_m", vector_json(options->attach_heights_m, options->num_attach_heights),                      //
-        "ring_angle_rad", options->ring_angle_given ? json_real(options->ring_angle_rad) : json_null(),               //
+        "{s:I, s:I, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:i, s:f, s:{s:f, s:f}, s:o, s:o, s:s}",
+        "request_id", (json_int_t)question->request_id, "epoch_us", (json_int_t)question->epoch_us,
+        "vehicle", vehicle_json(&question->vehicle), "beam", beam_json(&question->beam),
+        "X_IS", pose_json("p_IS_m", "q_IS", &question->X_IS), "X_IB", pose_json("p_IB_m", "q_IB", &question->X_IB),
+        "port", "p_IP_m", vector_json(question->port.p_IP_m, 3), "axis_I", vector_json(question->port.axis_I, 3),
+        "contact", question->contact, "standoff_m", question->standoff_m,
+        "weights", "time", question->weight_time_per_s, "impulse", question->weight_impulse_per_Ns,
+        "attach_heights_m", vector_json(options->attach_heights_m, options->num_attach_heights),
+        "ring_angle_rad", options->ring_angle_given ? json_real(options->ring_angle_rad) : json_null(),
         "method", NAME(method_names, options->method));
 }
 
@@ -113,14 +122,15 @@ static json_t* candidates_json(const lcm_ssv_plan_t* answer) {
     json_t* array = json_array();
     for (int i = 0; i < answer->num_candidates; i++) {
         const lcm_ssv_candidate_t* candidate = &answer->candidates[i];
-        json_t* json = json_pack("{s:i, s:f, s:f, s:o, s:f, s:f, s:f}", "beam_contact", candidate->contact, "attach_height_m",
-                                 candidate->attach_height_m, "ring_angle_rad", candidate->ring_angle_rad, "reason",
-                                 text_json(candidate->reason), "time_s", candidate->time_s, "impulse_Ns", candidate->impulse_Ns,
+        json_t* json = json_pack("{s:i, s:f, s:f, s:o, s:f, s:f, s:f}",
+                                 "beam_contact", candidate->contact,
+                                 "attach_height_m", candidate->attach_height_m,
+                                 "ring_angle_rad", candidate->ring_angle_rad,
+                                 "reason", text_json(candidate->reason),
+                                 "time_s", candidate->time_s,
+                                 "impulse_Ns", candidate->impulse_Ns,
                                  "J", candidate->cost);
-        if (json_array_append_new(array, json) != 0) {
-            json_decref(array);
-            return NULL;
-        }
+        append(&array, json);
     }
     return array;
 }
@@ -146,15 +156,17 @@ static json_t* legs_json(const lcm_ssv_plan_t* answer) {
     json_t* array = json_array();
     for (int i = 0; i < answer->num_legs; i++) {
         const lcm_ssv_leg_t* leg = &answer->legs[i];
-        json_t* json = json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:o, s:o}", "phase", NAME(phase_names, leg->phase), "kind",
-                                 NAME(kind_names, leg->kind), "ramp", NAME(ramp_names, leg->ramp), "t_start_s", leg->t_start_s,
-                                 "duration_s", leg->duration_s, "impulse_Ns", leg->impulse_Ns, "peak_speed", leg->peak_speed,
-                                 "pose_start", pose_json("p_IS_m", "q_IS", &leg->X_IS_start), "pose_end",
-                                 pose_json("p_IS_m", "q_IS", &leg->X_IS_end));
-        if (json_array_append_new(array, json) != 0) {
-            json_decref(array);
-            return NULL;
-        }
+        json_t* json = json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:o, s:o}",
+                                 "phase", NAME(phase_names, leg->phase),
+                                 "kind", NAME(kind_names, leg->kind),
+                                 "ramp", NAME(ramp_names, leg->ramp),
+                                 "t_start_s", leg->t_start_s,
+                                 "duration_s", leg->duration_s,
+                                 "impulse_Ns", leg->impulse_Ns,
+                                 "peak_speed", leg->peak_speed,
+                                 "pose_start", pose_json("p_IS_m", "q_IS", &leg->X_IS_start),
+                                 "pose_end", pose_json("p_IS_m", "q_IS", &leg->X_IS_end));
+        append(&array, json);
     }
     return array;
 }
@@ -163,13 +175,13 @@ static json_t* segments_json(const lcm_ssv_plan_t* answer) {
     json_t* array = json_array();
     for (int i = 0; i < answer->num_segments; i++) {
         const lcm_ssv_segment_t* segment = &answer->segments[i];
-        json_t* json = json_pack("{s:f, s:f, s:o, s:o, s:i}", "t_s", segment->t_s, "duration_s", segment->duration_s, "u_start_N",
-                                 vector_json(segment->u_start_N, 6), "u_end_N", vector_json(segment->u_end_N, 6), "leg",
-                                 segment->leg);
-        if (json_array_append_new(array, json) != 0) {
-            json_decref(array);
-            return NULL;
-        }
+        json_t* json = json_pack("{s:f, s:f, s:o, s:o, s:i}",
+                                 "t_s", segment->t_s,
+                                 "duration_s", segment->duration_s,
+                                 "u_start_N", vector_json(segment->u_start_N, 6),
+                                 "u_end_N", vector_json(segment->u_end_N, 6),
+                                 "leg", segment->leg);
+        append(&array, json);
     }
     return array;
 }
@@ -179,10 +191,7 @@ static json_t* events_json(const lcm_ssv_plan_t* answer) {
     for (int i = 0; i < answer->num_events; i++) {
         json_t* json =
             json_pack("{s:f, s:s}", "t_s", answer->events[i].t_s, "kind", NAME(event_names, answer->events[i].kind));
-        if (json_array_append_new(array, json) != 0) {
-            json_decref(array);
-            return NULL;
-        }
+        append(&array, json);
     }
     return array;
 }
@@ -195,22 +204,23 @@ static json_t* content_json(const lcm_ssv_scenario_t* question, const lcm_ssv_pl
                          question_json(question));
     }
     return json_pack(
-        "{s:I, s:{s:f, s:f, s:f}, s:{s:i, s:f, s:f, s:i}, s:o, s:[o, o], s:o, s:{s:o}, s:o, s:{s:o, s:o}, s:o, s:o, s:o}", //
-        "request_id", (json_int_t)answer->request_id,                                                                  //
-        "cost", "J", answer->cost, "time_s", answer->time_s, "impulse_Ns", answer->impulse_Ns,                         //
-        "choice", "beam_contact", answer->choice.contact, "attach_height_m", answer->choice.attach_height_m,           //
-        "ring_angle_rad", answer->choice.ring_angle_rad, "candidates", (int)answer->choice.candidates,                 //
-        "candidates", candidates_json(answer),                                                                         //
-        "phases", phase_json(answer, LCM_SSV_LEG_T_PHASE_TRANSIT), phase_json(answer, LCM_SSV_LEG_T_PHASE_TRANSFER),   //
-        "legs", legs_json(answer), "timeline", "segments", segments_json(answer), "events", events_json(answer),       //
-        "final", "vehicle", pose_json("p_IS_m", "q_IS", &answer->X_IS_final),                                          //
-        "beam", pose_json("p_IB_m", "q_IB", &answer->X_IB_final),                                                      //
-        "scenario_hash", hash_json(answer->scenario_hash), "plan_hash", hash_json(answer->plan_hash),                  //
+        "{s:I, s:{s:f, s:f, s:f}, s:{s:i, s:f, s:f, s:i}, s:o, s:[o, o], s:o, s:{s:o}, s:o, s:{s:o, s:o}, s:o, s:o, s:o}",
+        "request_id", (json_int_t)answer->request_id,
+        "cost", "J", answer->cost, "time_s", answer->time_s, "impulse_Ns", answer->impulse_Ns,
+        "choice", "beam_contact", answer->choice.contact, "attach_height_m", answer->choice.attach_height_m,
+        "ring_angle_rad", answer->choice.ring_angle_rad, "candidates", (int)answer->choice.candidates,
+        "candidates", candidates_json(answer),
+        "phases", phase_json(answer, LCM_SSV_LEG_T_PHASE_TRANSIT), phase_json(answer, LCM_SSV_LEG_T_PHASE_TRANSFER),
+        "legs", legs_json(answer), "timeline", "segments", segments_json(answer), "events", events_json(answer),
+        "final", "vehicle", pose_json("p_IS_m", "q_IS", &answer->X_IS_final),
+        "beam", pose_json("p_IB_m", "q_IB", &answer->X_IB_final),
+        "scenario_hash", hash_json(answer->scenario_hash), "plan_hash", hash_json(answer->plan_hash),
         "scenario", question_json(question));
 }
 
 bool report_json(FILE* out, const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer) {
-    json_t* json = json_pack("{s:s, s:o}", "status", NAME(status_names, answer->status), "reason", text_json(answer->reason));
+    json_t* json =
+        json_pack("{s:s, s:o}", "status", NAME(status_names, answer->status), "reason", text_json(answer->reason));
     bool complete = json != NULL;
     if (answer->status != LCM_SSV_PLAN_T_STATUS_INVALID) {
         json_t* content = content_json(question, answer);

@@ -11,7 +11,7 @@
 
 /// Writes the answer and the question as one JSON object; numbers have 17 digits, so reading them gives the same doubles.
 /// An answer with STATUS_INVALID is shown by its status and reason alone.
-/// @return false if the answer holds what JSON cannot (a number that is not finite), or out of memory; then nothing is written.
+/// @return false if the answer holds a number that is not finite, which JSON has no word for, or out of memory.
 bool report_json(FILE* out, const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer);
 
 /// Writes the answer as tables at most 120 columns wide; `title` heads them. Nothing for STATUS_INVALID.

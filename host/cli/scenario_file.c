@@ -266,7 +266,7 @@ bool number_parse(const char* text, double* value) {
     return true;
 }
 
-/// What libcyaml logs on its way out of a file that it refuses: one message, then the places that enclose it, innermost first.
+/// What libcyaml logs on its way out of a file that it refuses: a message, then the places around it, innermost first.
 typedef struct {
     char message[256];
     char path[256];               ///< of the keys, "vehicle.thrusters[2].n_T_S"
@@ -331,10 +331,13 @@ static void refusal_note(cyaml_log_t level, void* context, const char* format, v
     path_prepend(refusal->path, sizeof refusal->path, name + 1, (size_t)(name_end - name - 1));
 }
 
+/// libcyaml's message in the words of a user who knows keys and lists, not libcyaml; any other message as it is.
 static void error_set_refusal(error_t* error, const refusal_t* refusal, cyaml_err_t status) {
     const char* const missing = "Missing required mapping field: ";
     const char* const unknown = "Unexpected key: ";
+    const char* const parser = "libyaml: ";
     const char* const message = refusal->message[0] != '\0' ? refusal->message : cyaml_strerror(status);
+    int entries = 0, entries_limit = 0;
     if (strncmp(message, missing, strlen(missing)) == 0) {
         const char* const path = refusal->path[0] != '\0' ? refusal->path : message + strlen(missing);
         error_set(error, refusal->line, "%s: this key is missing", path);
@@ -343,6 +346,22 @@ static void error_set_refusal(error_t* error, const refusal_t* refusal, cyaml_er
     if (strncmp(message, unknown, strlen(unknown)) == 0) {
         const char* const joint = refusal->path[0] != '\0' ? "." : "";
         error_set(error, refusal->line, "%s%s%s: unknown key", refusal->path, joint, message + strlen(unknown));
+        return;
+    }
+    if (strncmp(message, parser, strlen(parser)) == 0) {
+        error_set(error, refusal->line, "not YAML: %s", message + strlen(parser));
+        return;
+    }
+    if (sscanf(message, "Insufficient entries (%d of %d min)", &entries, &entries_limit) == 2) {
+        error_set(error, refusal->line, "%s: %d entries, there must be %d or more", refusal->path, entries, entries_limit);
+        return;
+    }
+    if (sscanf(message, "Excessive entries (%d max)", &entries_limit) == 1) {
+        error_set(error, refusal->line, "%s: more than %d entries", refusal->path, entries_limit);
+        return;
+    }
+    if (strncmp(message, "Mapping field already seen", strlen("Mapping field already seen")) == 0) {
+        error_set(error, refusal->line, "%s: this key stands there twice", refusal->path);
         return;
     }
     error_set(error, refusal->line, "%s%s%s", refusal->path, refusal->path[0] != '\0' ? ": " : "", message);
@@ -464,7 +483,8 @@ static void model_convert(error_t* error, const model_text_t* text, lcm_ssv_scen
 static void check_finite(error_t* error, const char* key, const double* values, int count) {
     for (int i = 0; i < count; i++) {
         if (!isfinite(values[i])) {
-            error_set(error, 0, "%s: %s is not a finite number", key, isnan(values[i]) ? "nan" : values[i] < 0 ? "-inf" : "inf");
+            error_set(error, 0, "%s: %s is not a finite number", key,
+                      isnan(values[i]) ? "nan" : values[i] < 0 ? "-inf" : "inf");
         }
     }
 }
@@ -537,7 +557,7 @@ static int is_model_file(const struct dirent* entry) {
     return dot != NULL && strcmp(dot, ".yaml") == 0;
 }
 
-/// "model: 'x' is none of the models ease, paper in FOLDER, and no path".
+/// Says which models there are.
 static void error_set_unknown_model(error_t* error, const char* model, const char* models_dir) {
     char names[256] = "";
     struct dirent** entries = NULL;
@@ -549,8 +569,8 @@ static void error_set_unknown_model(error_t* error, const char* model, const cha
         free(entries[i]);
     }
     free(entries);
-    error_set(error, 0, "model: '%s' is none of the models (%s) in %s; a model of your own is given by its path, FOLDER/%s.yaml",
-              model, names, models_dir, model);
+    error_set(error, 0, "model: '%s' is none of the models (%s) in %s; give one of your own by its path, %s.yaml", model,
+              names, models_dir, model);
 }
 
 /// The model's file: a name stands for one in models_dir, anything with a slash or .yaml is a path from the scenario file.

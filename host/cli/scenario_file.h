@@ -16,7 +16,8 @@
 /// Reads the scenario at `path`. A model given by name is looked for in `models_dir`; one given by path, relative to the
 /// scenario file. Writes everything but request_id and epoch_us.
 /// @return true; or false with a sentence in `error` that names file, line or key, and *scenario in an undefined state.
-bool scenario_file_read(const char* path, const char* models_dir, lcm_ssv_scenario_t* scenario, char* error, size_t error_size);
+bool scenario_file_read(const char* path, const char* models_dir, lcm_ssv_scenario_t* scenario, char* error,
+                        size_t error_size);
 
 /// A number as YAML 1.2 writes it (.nan and .inf included), all of the text or nothing.
 /// @return whether it is one; if not, *value is untouched.
