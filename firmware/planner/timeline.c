@@ -1,5 +1,7 @@
 #include "planner/timeline.h"
 
+#include "planner/gauss.h"
+
 #define N SSV_NUM_THRUSTERS
 #define MAX_TRIALS 24
 #define NUM_CHECKS 5
@@ -9,31 +11,49 @@
 
 static real_t at(const real_t c[3], real_t v) { return c[0] + real_mul(v, c[1] + real_mul(v, c[2])); }
 
-// The straight line with the exact mean that is parallel to the chord, turned where it would leave the thruster's limits.
-static void fit(const real_t c[3], const ssv_moments_t* m, real_t v_from, real_t v_to, real_t limit, real_t* u_start,
-                real_t* u_end) {
-    const real_t exact =
-        real_div(real_mul(c[0], m->time) + real_mul(c[1], m->distance) + real_mul(c[2], m->speed2), m->time);
-    const real_t mean = real_max(-limit, real_min(limit, exact));
+// Integrals over a stretch of v and v^2, each also times the fraction of the stretch that has passed less one half.
+typedef struct {
+    ssv_moments_t mean;
+    real_t v_lean, v2_lean;
+} stretch_t;
+
+static stretch_t integrate(const ssv_piece_t* piece, real_t t, real_t h) {
+    stretch_t r = {ssv_piece_moments(piece, ssv_piece_speed(piece, t), ssv_piece_speed(piece, t + h), h), REAL(0), REAL(0)};
+    for (int k = 0; k < GAUSS_NODES; k++) {
+        const real_t lean = real_mul(REAL(0.5), gauss_node[k]);
+        const real_t v = ssv_piece_speed(piece, t + real_mul(h, REAL(0.5) + lean));
+        const real_t weight = real_mul(real_mul(REAL(0.5), real_mul(gauss_weight[k], h)), lean);
+        r.v_lean += real_mul(weight, v);
+        r.v2_lean += real_mul(weight, real_sq(v));
+    }
+    return r;
+}
+
+// The straight line with the exact impulse and the exact first moment, so that neither speed nor distance is lost; turned
+// where it would leave the thruster's limits.
+static void fit(const real_t c[3], const stretch_t* stretch, real_t limit, real_t* u_start, real_t* u_end) {
+    const ssv_moments_t* m = &stretch->mean;
+    const real_t impulse = real_mul(c[0], m->time) + real_mul(c[1], m->distance) + real_mul(c[2], m->speed2);
+    const real_t mean = real_max(-limit, real_min(limit, real_div(impulse, m->time)));
     const real_t room = limit - real_abs(mean);
-    const real_t half = real_mul(REAL(0.5), at(c, v_to) - at(c, v_from));
-    const real_t swing = real_max(-room, real_min(room, half));
+    const real_t lean = real_mul(c[1], stretch->v_lean) + real_mul(c[2], stretch->v2_lean);
+    const real_t swing = real_max(-room, real_min(room, real_div(real_mul(REAL(6), lean), m->time)));
     *u_start = mean - swing;
     *u_end = mean + swing;
 }
 
 // Fills the segment's thrusts for a stretch of the piece; returns the largest error over force_max.
 static real_t fit_all(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t t, real_t h, ssv_segment_t* segment) {
+    const stretch_t stretch = integrate(piece, t, h);
     real_t v[NUM_CHECKS];
     for (int k = 0; k < NUM_CHECKS; k++) {
         v[k] = ssv_piece_speed(piece, t + real_mul(h, real_div(real_from_int(k), real_from_int(NUM_CHECKS - 1))));
     }
-    const ssv_moments_t m = ssv_piece_moments(piece, v[0], v[NUM_CHECKS - 1], h);
     real_t worst = REAL(0);
     for (int i = 0; i < N; i++) {
         real_t c[3];
         ssv_piece_thrust(thrusts, piece, i, c);
-        fit(c, &m, v[0], v[NUM_CHECKS - 1], thrusts->force_max_N, &segment->u_start_N[i], &segment->u_end_N[i]);
+        fit(c, &stretch, thrusts->force_max_N, &segment->u_start_N[i], &segment->u_end_N[i]);
         const real_t rise = segment->u_end_N[i] - segment->u_start_N[i];
         for (int k = 0; k < NUM_CHECKS; k++) {
             const real_t along = real_div(real_from_int(k), real_from_int(NUM_CHECKS - 1));

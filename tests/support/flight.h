@@ -1,0 +1,11 @@
+/// Flies the core's plans in the independent physics of sim/.
+#ifndef TESTS_FLIGHT_H
+#define TESTS_FLIGHT_H
+
+#include "replay.h"
+#include "ssv/planner.h"
+
+/// Flies the plan of the problem open loop with steps of at most step_s. The plan must be SSV_OK.
+void flight_of_plan(const ssv_problem_t* problem, const ssv_plan_t* plan, double step_s, replay_flight_t* flight);
+
+#endif

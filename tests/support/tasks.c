@@ -1,0 +1,143 @@
+#include "tasks.h"
+
+static uint64_t random_state;
+
+void task_seed(uint64_t seed) { random_state = seed; }
+
+// splitmix64
+static uint64_t next(void) {
+    uint64_t z = random_state += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
+double task_between(double low, double high) {
+    return low + (high - low) * ((double)(next() >> 11) * 0x1p-53);
+}
+
+int task_below(int n) { return (int)(next() % (uint64_t)n); }
+
+vec3_t task_vector(double size) {
+    const double x = task_between(-size, size), y = task_between(-size, size), z = task_between(-size, size);
+    const vec3_t v = {real_from_double(x), real_from_double(y), real_from_double(z)};
+    return v;
+}
+
+vec3_t task_direction(void) {
+    for (;;) {
+        const double x = task_between(-1, 1), y = task_between(-1, 1), z = task_between(-1, 1);
+        const double n = sqrt(x * x + y * y + z * z);
+        if (n > 0.1 && n <= 1) {
+            const vec3_t v = {real_from_double(x / n), real_from_double(y / n), real_from_double(z / n)};
+            return v;
+        }
+    }
+}
+
+quat_t task_attitude(void) {
+    for (;;) {
+        const double w = task_between(-1, 1), x = task_between(-1, 1), y = task_between(-1, 1), z = task_between(-1, 1);
+        const double n = sqrt(w * w + x * x + y * y + z * z);
+        if (n > 0.1 && n <= 1) {
+            const quat_t q = {real_from_double(w / n), real_from_double(x / n), real_from_double(y / n), real_from_double(z / n)};
+            return q;
+        }
+    }
+}
+
+static void fill_thrusters(ssv_vehicle_t* vehicle, double jitter_m) {
+    static const double position[SSV_NUM_THRUSTERS][3] = {{0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
+    static const double direction[SSV_NUM_THRUSTERS][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+        const vec3_t p = {real_from_double(0.3025 * position[i][0]), real_from_double(0.3025 * position[i][1]),
+                          real_from_double(0.3025 * position[i][2])};
+        const vec3_t n = {real_from_double(direction[i][0]), real_from_double(direction[i][1]),
+                          real_from_double(direction[i][2])};
+        vehicle->thruster[i].p_ST_m = vec3_add(p, task_vector(jitter_m));
+        vehicle->thruster[i].n_T_S = n;
+    }
+}
+
+static vec3_t vec3_of(double x, double y, double z) {
+    return vec3(real_from_double(x), real_from_double(y), real_from_double(z));
+}
+
+ssv_vehicle_t task_vehicle(void) {
+    ssv_vehicle_t vehicle;
+    memset(&vehicle, 0, sizeof vehicle);
+    vehicle.body.mass_kg = real_from_double(76.2);
+    vehicle.body.inertia_kg_m2 = vec3_of(2.7, 2.7, 2.7);
+    vehicle.body.drag_lin_kg_s = real_from_double(413.685);
+    vehicle.body.drag_quad_ang_Nm_s2 = real_from_double(2.2);
+    vehicle.radius_m = real_from_double(0.3025);
+    vehicle.force_max_N = real_from_double(6);
+    fill_thrusters(&vehicle, 0);
+    return vehicle;
+}
+
+ssv_beam_t task_beam(bool ease) {
+    const double mass = 11.3636, outer = 0.0606, inner = outer - 0.0063, length = 3.048;
+    const double transverse = mass * (3 * (outer * outer + inner * inner) + length * length) / 12;
+    const double axial = mass * (outer * outer + inner * inner) / 2;
+    ssv_beam_t beam;
+    memset(&beam, 0, sizeof beam);
+    beam.body.mass_kg = real_from_double(mass);
+    beam.body.inertia_kg_m2 = ease ? vec3_of(transverse, transverse, axial) : vec3_of(0.0124, 0.0124, 0.0083);
+    beam.radius_m = real_from_double(outer);
+    beam.length_m = real_from_double(length);
+    beam.drag_strip_kg_m2 = real_from_double(ease ? 66.66 : 0);
+    return beam;
+}
+
+ssv_scenario_t task_case_study(bool ease) {
+    ssv_scenario_t s = ssv_scenario_default();
+    s.vehicle = task_vehicle();
+    s.beam = task_beam(ease);
+    s.X_IS.q = (quat_t){REAL(0), REAL(0), REAL(0), REAL(1)};
+    s.X_IB.p = vec3_of(5, 0, 0);
+    s.X_IB.q = (quat_t){real_from_double(sqrt(0.5)), REAL(0), real_from_double(sqrt(0.5)), REAL(0)};
+    s.p_IP_m = vec3_of(6.524, 5, 0);
+    s.axis_I = vec3_of(0, -1, 0);
+    s.contact = 1;
+    s.standoff_m = real_from_double(0.3025);
+    return s;
+}
+
+static void vary_bodies(ssv_scenario_t* s) {
+    const double vary = task_between(0.8, 1.25);
+    ssv_body_t* vehicle = &s->vehicle.body;
+    vehicle->mass_kg = real_from_double(76.2 * vary);
+    vehicle->inertia_kg_m2 = vec3_of(2.7, 2.7 * vary, 2.7);
+    vehicle->added_mass_kg = vec3_add(task_vector(30), vec3_of(30, 30, 30));
+    vehicle->drag_lin_kg_s = real_from_double(413.685 * vary);
+    vehicle->drag_quad_kg_m = real_from_double(task_between(0, 300));
+    vehicle->drag_lin_ang_Nm_s = real_from_double(task_between(0, 1));
+    fill_thrusters(&s->vehicle, 0.03);
+    s->beam.body.mass_kg = real_from_double(11.3636 * vary);
+    s->beam.body.added_mass_kg = vec3_add(task_vector(5), vec3_of(5, 5, 5));
+}
+
+ssv_scenario_t task_random(void) {
+    static const double weights[][2] = {{1, 0}, {0, 1}, {1, 1}, {1, 0.1}, {0.01, 1}};
+    ssv_scenario_t s = task_case_study(task_below(2) == 1);
+    if (task_below(2) == 1) vary_bodies(&s);
+    s.X_IS.p = task_vector(8);
+    s.X_IS.q = task_attitude();
+    s.X_IB.p = task_vector(8);
+    s.X_IB.q = task_attitude();
+    s.p_IP_m = task_vector(8);
+    s.axis_I = task_direction();
+    s.contact = task_below(3);
+    s.standoff_m = real_from_double(task_below(2) == 1 ? 0.3025 : 0.3631);
+    const double* const weight = weights[task_below(5)];
+    s.weight_time_per_s = real_from_double(weight[0]);
+    s.weight_impulse_per_Ns = real_from_double(weight[1]);
+    s.num_attach_heights = task_below(4);
+    for (int i = 0; i < s.num_attach_heights; i++) {
+        s.attach_heights_m[i] = real_from_double(task_between(-1.5, 1.5));
+    }
+    s.ring_angle_given = task_below(2) == 1;
+    s.ring_angle_rad = real_from_double(s.ring_angle_given ? task_between(-6, 6) : 0);
+    return s;
+}

@@ -1,0 +1,29 @@
+/// Scenarios for tests of the core: the two models' bodies, the paper's case study, and seeded random tasks around them.
+/// The draw uses IEEE sums, products and square roots alone, so a seed names the same tasks on every machine.
+#ifndef TESTS_TASKS_H
+#define TESTS_TASKS_H
+
+#include "ssv/planner.h"
+
+/// Starts the sequence of draws anew.
+void task_seed(uint64_t seed);
+
+/// Uniform in [low, high), [0, n), the ball's cube of half-width size, the unit sphere, and the unit quaternions.
+double task_between(double low, double high);
+int task_below(int n);
+vec3_t task_vector(double size);
+vec3_t task_direction(void);
+quat_t task_attitude(void);
+
+/// Bodies of host/models: the SSV; the beam as the paper prints it (`ease` false: no drag) or as a real tube (`ease` true).
+ssv_vehicle_t task_vehicle(void);
+ssv_beam_t task_beam(bool ease);
+
+/// The paper's case study (Table 4) with every choice left free, weights 1 and 1.
+ssv_scenario_t task_case_study(bool ease);
+
+/// A random task within some 8 m; half of them with bodies varied by a quarter, added mass, every kind of drag, and thrusters
+/// out of place.
+ssv_scenario_t task_random(void);
+
+#endif
