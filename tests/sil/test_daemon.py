@@ -1,0 +1,564 @@
+"""ssv-plannerd from the outside: a real process, real LCM over UDP multicast, friendly and hostile senders.
+
+The junk is drawn from a seed that is printed; SSV_SEED=N draws the same again.
+"""
+
+import copy
+import math
+import os
+import random
+import signal
+import socket
+import struct
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+from pathlib import Path
+
+import lcm
+
+import ssv
+
+DAEMON = Path(os.environ["SSV_BIN_DIR"]) / "ssv-plannerd"
+SEED = int(os.environ.get("SSV_SEED", "20250801"))
+
+DEADLINE_S = 60  # generous: reached only when something is broken
+RESEND_S = 5  # UDP may lose a datagram on a busy machine; askers ask again
+SCENARIO, PLAN, STATUS = "SSV_SCENARIO", "SSV_PLAN", "SSV_PLANNER_STATUS"
+OK, INFEASIBLE, INVALID = ssv.plan_t.STATUS_OK, ssv.plan_t.STATUS_INFEASIBLE, ssv.plan_t.STATUS_INVALID
+NEWEST_US = 2**63 - 1  # no epoch is newer, so junk that happens to be a scenario cannot make this one stale
+
+GROUP = "239.255.76.67"
+SHORT_MAGIC, FRAGMENT_MAGIC = 0x4C433032, 0x4C433033  # "LC02": a whole message, "LC03": a piece of one
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s:
+        s.bind(("", 0))
+        return s.getsockname()[1]
+
+
+def question(request_id, epoch_us=0):
+    """The paper's case study with a real tube for a beam."""
+    q = ssv.scenario_t()
+    q.request_id, q.epoch_us = request_id, epoch_us
+    body = q.vehicle.body
+    body.mass_kg, body.inertia_kg_m2, body.drag_lin_kg_s, body.drag_quad_ang_Nm_s2 = 76.2, [2.7] * 3, 413.685, 2.2
+    r = q.vehicle.radius_m = 0.3025
+    q.vehicle.force_max_N = 6
+    x, y, z = [1, 0, 0], [0, 1, 0], [0, 0, 1]
+    for thruster, place, push in zip(q.vehicle.thruster, (z, z, x, x, y, y), (x, x, y, y, z, z)):
+        thruster.p_ST_m, thruster.n_T_S = [r * c for c in place], push
+    for thruster in q.vehicle.thruster[1::2]:
+        thruster.p_ST_m, thruster.n_T_S = [-c for c in thruster.p_ST_m], [-c for c in thruster.n_T_S]
+    q.beam.body.mass_kg, q.beam.body.inertia_kg_m2 = 11.3636, [8.8164, 8.8164, 0.0376]
+    q.beam.radius_m, q.beam.length_m, q.beam.drag_strip_kg_m2 = 0.0606, 3.048, 66.66
+    q.X_IS.q = [0, 0, 0, 1]
+    q.X_IB.p_m, q.X_IB.q = [5, 0, 0], [math.sqrt(0.5), 0, math.sqrt(0.5), 0]
+    q.port.p_IP_m, q.port.axis_I = [6.524, 5, 0], [0, -1, 0]
+    q.contact, q.standoff_m, q.weight_time_per_s, q.weight_impulse_per_Ns = 1, 0.3025, 1, 1
+    q.options.ring_angle_given, q.options.ring_angle_rad = True, -math.pi / 2
+    return q
+
+
+def changed(q, path, value):
+    """A copy of q with one field changed: "vehicle.thruster.2.n_T_S.0"."""
+    q = copy.deepcopy(q)
+    *way, last = path.split(".")
+    at = q
+    for name in way:
+        at = at[int(name)] if name.isdigit() else getattr(at, name)
+    if last.isdigit():
+        at[int(last)] = value
+    else:
+        setattr(at, last, value)
+    return q
+
+
+class Daemon:
+    """A running ssv-plannerd on a multicast port of its own, and what it said."""
+
+    def __init__(self, *options):
+        self.port = free_port()
+        self.url = f"udpm://{GROUP}:{self.port}?ttl=0"
+        self.answers = {}  # request id -> encoded answers, in order of arrival
+        self.statuses = []
+        self.lcm = lcm.LCM(self.url)
+        for channel, handler in ((PLAN, self._on_plan), (STATUS, self._on_status)):
+            self.lcm.subscribe(channel, handler).set_queue_capacity(20000)
+        self.log = tempfile.TemporaryFile("w+")
+        self.process = subprocess.Popen([DAEMON, "--lcm-url", self.url, *options], stderr=self.log)
+        try:
+            self.wait_until(lambda: self.statuses)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self):
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.wait()
+        self.log.close()
+
+    def _on_plan(self, _channel, data):
+        self.answers.setdefault(struct.unpack_from(">q", data, 24)[0], []).append(data)
+
+    def _on_status(self, _channel, data):
+        self.statuses.append(ssv.planner_status_t.decode(data))
+
+    def said(self):
+        self.log.seek(0)
+        return self.log.read()
+
+    def wait_until(self, condition, seconds=DEADLINE_S):
+        end = time.monotonic() + seconds
+        while not condition():
+            if time.monotonic() > end or self.process.poll() is not None:
+                raise AssertionError(f"ssv-plannerd (exit code {self.process.poll()}) did not do it. Its log ends:\n"
+                                     + self.said()[-3000:])
+            self.lcm.handle_timeout(100)
+
+    def next_status(self):
+        """A status that was made after this call, or that shows all that was before it."""
+        seen = len(self.statuses)
+        self.wait_until(lambda: len(self.statuses) >= seen + 2)
+        return self.statuses[-1]
+
+    def send(self, q):
+        self.lcm.publish(SCENARIO, q.encode())
+
+    def ask_all(self, questions):
+        """Sends them in one burst, and those without an answer again. @return the answers, in order."""
+        ids = [q.request_id for q in questions]
+        before = {i: len(self.answers.get(i, [])) for i in ids}
+        end = time.monotonic() + DEADLINE_S
+        missing = questions
+        while missing:
+            if time.monotonic() > end or self.process.poll() is not None:
+                raise AssertionError(f"no answer to {[q.request_id for q in missing][:5]}... (exit code "
+                                     f"{self.process.poll()}). The log ends:\n" + self.said()[-3000:])
+            for q in missing:
+                self.send(q)
+            resend = time.monotonic() + RESEND_S
+            while time.monotonic() < resend and self.process.poll() is None and missing:
+                self.lcm.handle_timeout(100)
+                missing = [q for q in missing if len(self.answers.get(q.request_id, [])) == before[q.request_id]]
+        return [ssv.plan_t.decode(self.answers[i][-1]) for i in ids]
+
+    def ask(self, q):
+        return self.ask_all([q])[0]
+
+    def raw_sender(self):
+        s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        s.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+        s.connect((GROUP, self.port))
+        return s
+
+
+class DaemonTest(unittest.TestCase):
+    def start(self, *options):
+        daemon = Daemon(*options)
+        self.addCleanup(daemon.close)
+        return daemon
+
+    def assert_alive(self, daemon):
+        """100 of 100 good questions are answered with the same good plan."""
+        plans = daemon.ask_all([question(10**15 + i, NEWEST_US) for i in range(100)])
+        self.assertEqual([p.reason for p in plans], [""] * 100)
+        self.assertEqual(len({p.plan_hash for p in plans}), 1)
+
+
+class Answers(DaemonTest):
+    def test_a_good_scenario_gets_a_complete_plan_of_less_than_60_kB(self):
+        daemon = self.start()
+        plan = daemon.ask(question(42, 7))
+        self.assertEqual((plan.status, plan.reason, plan.request_id, plan.epoch_us), (OK, "", 42, 7))
+        self.assertAlmostEqual(plan.cost, plan.time_s + plan.impulse_Ns, delta=1e-9 * plan.cost)
+        self.assertAlmostEqual(sum(leg.duration_s for leg in plan.legs), plan.time_s, delta=1e-9 * plan.time_s)
+        self.assertAlmostEqual(sum(leg.impulse_Ns for leg in plan.legs), plan.impulse_Ns, delta=1e-9 * plan.impulse_Ns)
+        last = plan.segments[-1]
+        self.assertAlmostEqual(last.t_s + last.duration_s, plan.time_s, delta=1e-6)
+        self.assertLessEqual(max(abs(u) for s in plan.segments for u in (*s.u_start_N, *s.u_end_N)), 6 * (1 + 1e-9))
+        self.assertEqual([e.kind for e in plan.events], [ssv.event_t.KIND_MATE, ssv.event_t.KIND_DOCK])
+        self.assertEqual((plan.num_candidates, plan.choice.contact), (3, 1))
+        self.assertNotIn(0, (plan.scenario_hash, plan.plan_hash))
+        self.assertLess(len(daemon.answers[42][0]), 60000)
+        print(f"a plan of {plan.num_segments} segments takes {len(daemon.answers[42][0])} bytes", flush=True)
+
+    def test_a_repeated_id_gets_the_same_bytes_and_no_second_planning(self):
+        daemon = self.start()
+        daemon.ask(question(1, 50))
+        daemon.ask(question(2, 60))
+        daemon.ask(question(1, 50))  # its epoch is older than 60 by now
+        daemon.ask(changed(question(1, 99), "contact", 77))  # the id decides, not what comes with it
+        self.assertGreaterEqual(len(daemon.answers[1]), 3)
+        self.assertEqual(len(set(daemon.answers[1])), 1)
+        self.assertEqual(daemon.ask(question(3, 60)).status, OK)  # 99 came with a repeated id and did not count
+        status = daemon.next_status()
+        self.assertEqual((status.accepted, status.repeated), (3, status.received - 3))
+
+    def test_an_invalid_scenario_is_also_answered_from_the_store_when_repeated(self):
+        daemon = self.start()
+        bad = changed(question(1), "contact", 77)
+        daemon.ask(bad)
+        daemon.ask(bad)
+        self.assertEqual(len(set(daemon.answers[1])), 1)
+        self.assertEqual(daemon.next_status().rejected_range, 1)
+
+    def test_the_last_256_answers_are_stored_and_older_ones_are_planned_anew(self):
+        daemon = self.start()
+        first = daemon.ask(question(1))
+        bad = changed(question(0), "contact", 77)
+        daemon.ask_all([changed(bad, "request_id", i) for i in range(2, 257)])
+        self.assertEqual(daemon.ask(question(1)).plan_hash, first.plan_hash)
+        self.assertEqual(daemon.next_status().accepted, 1)
+        daemon.ask(changed(bad, "request_id", 257))
+        self.assertEqual(daemon.ask(question(1)).plan_hash, first.plan_hash)
+        self.assertEqual(daemon.next_status().accepted, 2)
+
+    def test_every_id_of_a_burst_is_answered_exactly_once(self):
+        daemon = self.start()
+        daemon.ask_all([question(i) for i in range(1, 101)])
+        status = daemon.next_status()
+        self.assertEqual(status.accepted, 100)
+        # A busy machine may lose part of the burst, of the answers too; then ask_all asked again and the store answered.
+        self.assertLessEqual(sum(len(a) for a in daemon.answers.values()), 100 + status.repeated)
+        self.assertTrue(all(len(set(a)) == 1 for a in daemon.answers.values()))
+
+    def test_any_64_bit_request_id_is_an_id(self):
+        daemon = self.start()
+        for request_id in (0, -1, 2**63 - 1, -(2**63)):
+            self.assertEqual(daemon.ask(question(request_id)).request_id, request_id)
+
+    def test_a_task_that_no_candidate_can_do_is_infeasible_with_a_reason_for_each(self):
+        plan = self.start().ask(changed(question(1), "X_IS.p_m", [-900, 0, 0]))
+        self.assertEqual((plan.status, plan.num_legs, plan.num_segments, plan.num_events, plan.plan_hash),
+                         (INFEASIBLE, 0, 0, 0, 0))
+        self.assertEqual(plan.num_candidates, 3)
+        for candidate in plan.candidates:
+            self.assertTrue(candidate.reason)
+            self.assertIn(f"contact 1, height {candidate.attach_height_m:g} m: {candidate.reason}", plan.reason)
+
+    def test_quaternions_within_a_thousandth_of_unit_length_are_normalised(self):
+        daemon = self.start()
+        exact = daemon.ask(question(1))
+        for request_id, scale in ((2, 1.0009), (3, 0.9991)):
+            q = question(request_id)
+            q.X_IS.q, q.X_IB.q = ([scale * c for c in pose.q] for pose in (q.X_IS, q.X_IB))
+            plan = daemon.ask(q)
+            self.assertEqual(plan.status, OK)
+            self.assertAlmostEqual(plan.cost, exact.cost, delta=1e-9 * exact.cost)
+            self.assertAlmostEqual(math.hypot(*plan.legs[0].X_IS_start.q), 1, delta=1e-12)
+
+    def test_a_flag_or_enum_of_any_value_is_safe(self):
+        daemon = self.start()
+        good = question(1)
+        flag_at = len(good.encode()) - 9  # ring_angle_given, before ring_angle_rad
+        for value in range(256):
+            data = bytearray(changed(good, "request_id", 1000 + value).encode())
+            data[flag_at] = value
+            daemon.lcm.publish(SCENARIO, bytes(data))
+        daemon.wait_until(lambda: all(1000 + value in daemon.answers for value in range(256)))
+        plans = [ssv.plan_t.decode(daemon.answers[1000 + value][0]) for value in range(256)]
+        self.assertEqual({p.status for p in plans}, {OK})
+        # Given means given: one plan for zero, another for everything else. The hash is of the meaning, not of the byte.
+        self.assertEqual(len({p.scenario_hash for p in plans[1:]}), 1)
+        self.assertNotEqual(plans[0].scenario_hash, plans[1].scenario_hash)
+
+
+class Epochs(DaemonTest):
+    def test_an_older_epoch_is_refused_with_both_values(self):
+        daemon = self.start()
+        self.assertEqual(daemon.ask(question(1, 1000)).status, OK)
+        stale = daemon.ask(question(2, 999))
+        self.assertEqual((stale.status, stale.num_segments), (INVALID, 0))
+        for word in ("epoch_us", "999", "1000"):
+            self.assertIn(word, stale.reason)
+        self.assertEqual(daemon.ask(question(3, 1000)).status, OK)
+        self.assertEqual(daemon.next_status().rejected_stale_epoch, 1)
+
+    def test_an_invalid_scenario_does_not_advance_the_epoch(self):
+        daemon = self.start()
+        self.assertEqual(daemon.ask(question(1, 10)).status, OK)
+        self.assertEqual(daemon.ask(changed(question(2, NEWEST_US), "standoff_m", -1)).status, INVALID)
+        self.assertEqual(daemon.ask(question(3, 10)).status, OK)
+
+    def test_an_infeasible_scenario_does_advance_the_epoch(self):
+        daemon = self.start()
+        self.assertEqual(daemon.ask(changed(question(1, 20), "X_IS.p_m", [-900, 0, 0])).status, INFEASIBLE)
+        self.assertIn("epoch_us", daemon.ask(question(2, 19)).reason)
+
+    def test_of_a_burst_the_newest_is_planned_and_what_follows_it_with_an_older_epoch_is_not(self):
+        daemon = self.start()
+        newest, older, same = daemon.ask_all([question(1, 3), question(2, 2), question(3, 3)])
+        self.assertEqual((newest.status, older.status, same.status), (OK, INVALID, OK))
+
+    def test_a_negative_epoch_is_named(self):
+        self.assertIn("epoch_us: -1 ", self.start().ask(question(1, -1)).reason)
+
+
+NAN, INF = float("nan"), float("inf")
+INVALID_FIELDS = [  # what to change, to what, the reason's beginning, the counter
+    ("vehicle.body.mass_kg", 0.0, "vehicle.mass_kg: 0 is outside its range [0.01, 10000]", "range"),
+    ("vehicle.body.mass_kg", -76.2, "vehicle.mass_kg: -76.2 is outside", "range"),
+    ("vehicle.body.mass_kg", NAN, "vehicle.mass_kg: nan is not a finite number", "not_finite"),
+    ("vehicle.body.mass_kg", -NAN, "vehicle.mass_kg: nan is not a finite number", "not_finite"),
+    ("vehicle.body.inertia_kg_m2.1", 0.0, "vehicle.inertia_kg_m2: 0 is outside", "range"),
+    ("vehicle.body.inertia_kg_m2.2", INF, "vehicle.inertia_kg_m2: inf is not a finite number", "not_finite"),
+    ("vehicle.body.added_mass_kg.0", -1.0, "vehicle.added_mass_kg: -1 is outside", "range"),
+    ("vehicle.body.drag_lin_kg_s", -1e-9, "vehicle.drag_lin_kg_s: -1e-09 is outside", "range"),
+    ("vehicle.body.drag_quad_kg_m", -INF, "vehicle.drag_quad_kg_m: -inf is not a finite number", "not_finite"),
+    ("vehicle.body.drag_lin_ang_Nm_s", 1e6, "vehicle.drag_lin_ang_Nm_s: 1000000 is outside", "range"),
+    ("vehicle.body.drag_quad_ang_Nm_s2", -2.2, "vehicle.drag_quad_ang_Nm_s2: -2.2 is outside", "range"),
+    ("vehicle.radius_m", 0.0, "vehicle.radius_m: 0 is outside", "range"),
+    ("vehicle.force_max_N", 0.0, "vehicle.force_max_N: 0 is outside", "range"),
+    ("vehicle.thruster.5.p_ST_m.2", 11.0, "vehicle.thrusters[5].p_ST_m: 11 is outside its range [-10, 10]", "range"),
+    ("vehicle.thruster.0.p_ST_m.0", NAN, "vehicle.thrusters[0].p_ST_m: nan is not", "not_finite"),
+    ("vehicle.thruster.2.n_T_S", [0, 0.5, 0], "vehicle.thrusters[2].n_T_S: length 0.5 is not 1 within 0.001", "not_unit"),
+    ("vehicle.thruster.3.n_T_S", [0, 0, 0], "vehicle.thrusters[3].n_T_S: length 0 is not 1", "not_unit"),
+    ("vehicle.thruster.1.n_T_S.0", INF, "vehicle.thrusters[1].n_T_S: inf is not a finite number", "not_finite"),
+    ("vehicle.thruster.0.n_T_S", [0, 0, 1], "vehicle.thrusters: ", "singular"),
+    ("beam.body.mass_kg", 0.0, "beam.mass_kg: 0 is outside", "range"),
+    ("beam.body.inertia_kg_m2.0", -8.8, "beam.inertia_kg_m2: -8.8 is outside", "range"),
+    ("beam.body.added_mass_kg.2", NAN, "beam.added_mass_kg: nan is not", "not_finite"),
+    ("beam.body.drag_lin_kg_s", -1.0, "beam.drag_lin_kg_s: -1 is outside", "range"),
+    ("beam.body.drag_quad_kg_m", -1.0, "beam.drag_quad_kg_m: -1 is outside", "range"),
+    ("beam.body.drag_lin_ang_Nm_s", -1.0, "beam.drag_lin_ang_Nm_s: -1 is outside", "range"),
+    ("beam.body.drag_quad_ang_Nm_s2", NAN, "beam.drag_quad_ang_Nm_s2: nan is not", "not_finite"),
+    ("beam.radius_m", -0.06, "beam.radius_m: -0.06 is outside", "range"),
+    ("beam.length_m", 0.0, "beam.length_m: 0 is outside", "range"),
+    ("beam.drag_strip_kg_m2", -66.66, "beam.drag_strip_kg_m2: -66.66 is outside", "range"),
+    ("X_IS.p_m.0", 1001.0, "vehicle.p_IS_m: 1001 is outside its range [-1000, 1000]", "range"),
+    ("X_IS.p_m.2", NAN, "vehicle.p_IS_m: nan is not", "not_finite"),
+    ("X_IS.q", [0, 0, 0, 0], "vehicle.q_IS: length 0 is not 1 within 0.001", "not_unit"),
+    ("X_IS.q", [0, 0, 0, 1.0011], "vehicle.q_IS: length 1.0011 is not 1", "not_unit"),
+    ("X_IS.q.1", NAN, "vehicle.q_IS: nan is not", "not_finite"),
+    ("X_IB.p_m.1", INF, "beam.p_IB_m: inf is not", "not_finite"),
+    ("X_IB.q", [0, 0, 0, 0], "beam.q_IB: length 0 is not 1", "not_unit"),
+    ("X_IB.q", [0, 0.9989, 0, 0], "beam.q_IB: length 0.9989 is not 1", "not_unit"),
+    ("port.p_IP_m.2", -1000.5, "port.p_IP_m: -1000.5 is outside", "range"),
+    ("port.axis_I", [0, 0, 0], "port.axis_I: length 0 is not 1", "not_unit"),
+    ("port.axis_I.0", NAN, "port.axis_I: nan is not", "not_finite"),
+    ("contact", 3, "beam.contact: 3 is outside its range [0, 2]", "range"),
+    ("contact", -128, "beam.contact: -128 is outside", "range"),
+    ("standoff_m", 0.0, "standoff_m: 0 is outside", "range"),
+    ("standoff_m", NAN, "standoff_m: nan is not", "not_finite"),
+    ("weight_time_per_s", -1.0, "weights.time: -1 is outside its range [0, 1000]", "range"),
+    ("weight_impulse_per_Ns", -1e-300, "weights.impulse: -1e-300 is outside", "range"),
+    ("weight_impulse_per_Ns", INF, "weights.impulse: inf is not", "not_finite"),
+    ("options.method", 1, "method: 1 is outside", "range"),
+    ("options.method", -1, "method: -1 is outside", "range"),
+    ("options.num_attach_heights", 9, "attach_heights_m: 9 is outside its range [0, 8]", "range"),
+    ("options.num_attach_heights", -128, "attach_heights_m: -128 is outside", "range"),
+    ("options.ring_angle_rad", 6.3, "ring_angle_rad: 6.3 is outside", "range"),
+    ("options.ring_angle_rad", NAN, "ring_angle_rad: nan is not", "not_finite"),
+]
+
+
+class InvalidScenarios(DaemonTest):
+    def test_each_bad_field_is_answered_by_its_name_and_counted(self):
+        daemon = self.start()
+        counted = dict.fromkeys(("range", "not_finite", "not_unit", "singular", "weights"), 0)
+
+        def check(q, expected, counter):
+            plan = daemon.ask(q)
+            with self.subTest(expected):
+                self.assertEqual((plan.status, plan.request_id), (INVALID, q.request_id))
+                self.assertTrue(plan.reason.startswith(expected), plan.reason)
+                self.assertEqual((plan.num_candidates, plan.num_legs, plan.num_segments, plan.num_events), (0, 0, 0, 0))
+            counted[counter] += 1
+
+        for i, (path, value, expected, counter) in enumerate(INVALID_FIELDS):
+            check(changed(question(i + 1), path, value), expected, counter)
+        both = changed(changed(question(900), "weight_time_per_s", 0), "weight_impulse_per_Ns", 0)
+        check(both, "weights: both are zero, one must be positive", "weights")
+        high = changed(changed(question(901), "options.num_attach_heights", 2), "options.attach_heights_m.1", 1.6)
+        check(high, "attach_heights_m[1]: 1.6 is outside its range [-1.524, 1.524]", "range")
+
+        status = daemon.next_status()
+        self.assertEqual(counted, {name: getattr(status, "rejected_" + name) for name in counted})
+        self.assertEqual(status.accepted, 0)
+
+    def test_what_is_not_asked_for_is_not_judged(self):
+        q = changed(changed(question(1), "options.ring_angle_given", False), "options.ring_angle_rad", NAN)
+        self.assertEqual(self.start().ask(changed(q, "options.attach_heights_m", [NAN] * 8)).status, OK)
+
+
+class Junk(DaemonTest):
+    """Every 50 datagrams a stored answer is asked for. The transport keeps the order, so when it comes, they were read."""
+
+    def setUp(self):
+        self.random = random.Random(SEED)
+        print(f"SSV_SEED={SEED}", flush=True)
+
+    def flipped(self, data):
+        data = bytearray(data)
+        for _ in range(self.random.randint(1, 8)):
+            data[self.random.randrange(len(data))] ^= 1 << self.random.randrange(8)
+        return bytes(data)
+
+    def fragment(self, payload):
+        r = self.random
+        number = lambda bits: r.choice((0, 1, 2, 700, 2**(bits - 1), 2**bits - 1, r.getrandbits(bits)))
+        head = struct.pack(">IIIIHH", FRAGMENT_MAGIC, number(32), number(32), number(32), number(16), number(16))
+        return head + payload[:r.randrange(len(payload))]
+
+    def junk(self, count):
+        r = self.random
+        good = question(r.getrandbits(62)).encode()
+        named = SCENARIO.encode() + b"\0"
+        short = lambda name, payload: struct.pack(">II", SHORT_MAGIC, r.getrandbits(32)) + name + payload
+        kinds = (
+            lambda: r.randbytes(r.randrange(0, 1400)),
+            lambda: short(named, good)[:r.randrange(len(short(named, good)))],
+            lambda: self.flipped(short(named, good)),
+            lambda: short(named, self.flipped(good)),
+            lambda: short(named, r.randbytes(8) + good[8:]),  # a type of another version
+            lambda: short(named, good[:8] + good[8:r.randrange(8, len(good))]),
+            lambda: short(named, good + r.randbytes(r.randrange(1, 400))),
+            lambda: short(r.randbytes(r.randrange(0, 100)), good),  # channel names of any bytes and length
+            lambda: short(b"A" * r.randrange(60, 70) + r.choice((b"", b"\0")), good),
+            lambda: short(named, b""),
+            lambda: self.fragment(named + good),
+            lambda: self.fragment(r.randbytes(900)),
+        )
+        for i in range(count):
+            yield kinds[i % len(kinds)]()
+
+    def test_100000_junk_datagrams_leave_it_answering(self):
+        daemon = self.start()
+        daemon.ask(question(1))
+        with daemon.raw_sender() as raw:
+            for i, datagram in enumerate(self.junk(100_000)):
+                raw.send(datagram)
+                if i % 50 == 49:
+                    daemon.answers.clear()
+                    daemon.ask(question(1))
+        status = daemon.next_status()
+        print(f"100000 junk datagrams: {status.rejected_undecodable} reached the decoder, "
+              f"{status.received - status.rejected_undecodable - status.repeated} were scenarios all the same", flush=True)
+        self.assertGreater(status.rejected_undecodable, 20_000)
+        self.assert_alive(daemon)
+
+    def malformed(self, count):
+        """Scenarios that decode: half of them noise, half with a few numbers of the nasty kind in a good one."""
+        r = self.random
+        good = question(0).encode()
+        nasty = (NAN, INF, -INF, 0.0, -0.0, 5e-324, -5e-324, 2.2e-308, 1.7e308, -1.7e308, 1e-9, -1e-9, 1e9, -1.0, 2.0**53)
+        for i in range(count):
+            head = good[:8] + struct.pack(">q", i)
+            if i % 2 == 0:
+                yield head + r.randbytes(len(good) - 16)
+                continue
+            data = bytearray(head + good[16:])
+            for _ in range(r.randint(1, 3)):
+                struct.pack_into(">d", data, 24 + 8 * r.randrange((len(data) - 24) // 8), r.choice(nasty))
+            yield bytes(data)
+
+    def test_10000_malformed_scenarios_are_all_answered_and_leave_it_answering(self):
+        daemon = self.start()
+        tally = {}
+        batch = []
+        for data in self.malformed(10_000):
+            batch.append(ssv.scenario_t.decode(data))
+            if len(batch) == 50:
+                for plan in daemon.ask_all(batch):
+                    self.assertIn(plan.status, (OK, INFEASIBLE, INVALID))
+                    self.assertEqual(plan.status == OK, plan.reason == "")
+                    self.assertLess(len(plan.reason), 2048)
+                    tally[plan.status] = tally.get(plan.status, 0) + 1
+                batch = []
+                daemon.answers.clear()
+        print(f"10000 malformed scenarios: {tally.get(INVALID, 0)} invalid, {tally.get(INFEASIBLE, 0)} infeasible, "
+              f"{tally.get(OK, 0)} sound all the same", flush=True)
+        self.assertGreater(tally.get(INVALID, 0), 5000)
+        self.assert_alive(daemon)
+
+
+class Process(DaemonTest):
+    def run_daemon(self, *arguments):
+        return subprocess.run([DAEMON, *arguments], capture_output=True, text=True, timeout=DEADLINE_S)
+
+    def test_status_comes_once_a_second_with_the_version_and_the_type_hashes(self):
+        daemon = self.start()
+        self.assertEqual(daemon.ask(question(77)).status, OK)
+        seen = len(daemon.statuses)
+        daemon.wait_until(lambda: len(daemon.statuses) >= seen + 5)
+        first, *_, last = daemon.statuses[seen:]
+        self.assertAlmostEqual((last.uptime_us - first.uptime_us) / 1e6 / (len(daemon.statuses) - seen - 1), 1, delta=0.3)
+        type_hash = lambda t: struct.unpack(">q", t._get_packed_fingerprint())[0]
+        self.assertEqual((last.scenario_type_hash, last.plan_type_hash, last.planner_status_type_hash),
+                         tuple(map(type_hash, (ssv.scenario_t, ssv.plan_t, ssv.planner_status_t))))
+        self.assertIn(last.version, self.run_daemon("--version").stdout)
+        self.assertEqual((last.accepted, last.last_request_id), (1, 77))
+        self.assertLess(0, last.last_plan_us)
+        self.assertLessEqual(last.last_plan_us, last.worst_plan_us)
+
+    def test_what_is_no_scenario_is_counted_and_logged_but_each_one_only_when_verbose(self):
+        for options, each in (((), False), (("--verbose",), True)):
+            daemon = self.start(*options)
+            daemon.lcm.publish(SCENARIO, ssv.pose_t().encode())
+            daemon.wait_until(lambda: daemon.statuses[-1].rejected_undecodable == 1)
+            daemon.next_status()
+            self.assertIn("WARN", daemon.said())
+            self.assertEqual("DEBUG" in daemon.said(), each)
+
+    def test_each_answer_is_a_line_of_the_log(self):
+        daemon = self.start()
+        daemon.ask(question(123456))
+        daemon.ask(changed(question(123457), "standoff_m", NAN))
+        said = daemon.said()
+        stamp = r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z"
+        self.assertRegex(said, rf"(?m)^{stamp} INFO  scenario 123456: ok, J .* planned in .* ms$")
+        self.assertRegex(said, r"(?m) INFO  scenario 123457: invalid: standoff_m: nan is not a finite number$")
+
+    def test_sigterm_and_sigint_end_it_with_exit_code_0(self):
+        for number in (signal.SIGTERM, signal.SIGINT):
+            daemon = self.start()
+            daemon.process.send_signal(number)
+            self.assertEqual(daemon.process.wait(DEADLINE_S), 0)
+
+    def test_sigterm_ends_it_while_scenarios_pour_in(self):
+        daemon = self.start()
+        stop = threading.Event()
+        head = struct.pack(">II", SHORT_MAGIC, 0) + SCENARIO.encode() + b"\0"
+        good = question(0).encode()
+
+        def flood():
+            with daemon.raw_sender() as raw:
+                i = 0
+                while not stop.is_set():
+                    i += 1
+                    raw.send(head + good[:8] + struct.pack(">q", i) + good[16:])
+
+        thread = threading.Thread(target=flood)
+        thread.start()
+        try:
+            daemon.wait_until(lambda: daemon.statuses[-1].accepted > 20)
+            start = time.monotonic()
+            daemon.process.terminate()
+            code = daemon.process.wait(DEADLINE_S)
+            print(f"stopped {time.monotonic() - start:.3f} s after SIGTERM under a flood", flush=True)
+        finally:
+            stop.set()
+            thread.join()
+        self.assertEqual(code, 0)
+
+    def test_without_a_way_to_open_lcm_it_says_what_to_do_and_ends_with_exit_code_4(self):
+        result = self.run_daemon("--lcm-url", "nonsense://")
+        self.assertEqual(result.returncode, 4)
+        for word in ("nonsense://", "ip route add 224.0.0.0/4", "--lcm-url"):
+            self.assertIn(word, result.stderr)
+
+    def test_help_shows_examples_and_exit_codes_and_wrong_usage_ends_with_64(self):
+        text = self.run_daemon("--help").stdout
+        self.assertIn("Examples:", text)
+        self.assertIn("Exit codes:", text)
+        for wrong in (("--nonsense",), ("something",)):
+            self.assertEqual(self.run_daemon(*wrong).returncode, 64)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
