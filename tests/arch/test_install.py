@@ -34,8 +34,8 @@ class Install(unittest.TestCase):
 
     def test_another_project_finds_the_package_and_plans_the_same(self):
         source = HERE / "plan_hashes.c"
-        run(["cmake", "-S", HERE / "consumer", "-B", self.scratch / "consumer", f"-DCMAKE_PREFIX_PATH={self.prefix}",
-             f"-DPROGRAM_SOURCE={source}", "-DCMAKE_BUILD_TYPE=Release"])
+        run(["cmake", "-S", HERE / "consumer", "-B", self.scratch / "consumer", "-G", os.environ["SSV_GENERATOR"],
+             f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DPROGRAM_SOURCE={source}", "-DCMAKE_BUILD_TYPE=Release"])
         run(["cmake", "--build", self.scratch / "consumer"])
         run([os.environ["CC"], *core_flags(), source, os.environ["SSV_PLANNER_ARCHIVE"], "-lm",
              "-o", self.scratch / "direct"])
