@@ -49,7 +49,7 @@ static bool invert(real_t m[N][N], real_t inverse[N][N]) {
     return true;
 }
 
-ssv_status_t ssv_alloc_init(const ssv_vehicle_t* vehicle, real_t u_per_wrench[SSV_NUM_THRUSTERS][6]) {
+ssv_status_t ssv_alloc_init(const ssv_vehicle_t* vehicle, ssv_allocation_t* allocation) {
     real_t matrix[N][N], inverse[N][N];
     for (int i = 0; i < N; i++) {
         const vec3_t n = vehicle->thruster[i].n_T_S;
@@ -62,16 +62,16 @@ ssv_status_t ssv_alloc_init(const ssv_vehicle_t* vehicle, real_t u_per_wrench[SS
     if (!invert(matrix, inverse) || real_mul(norm, norm_inf(inverse)) > SSV_CONDITION_MAX) return SSV_E_SINGULAR;
     for (int i = 0; i < N; i++) {
         for (int c = 0; c < N; c++) {
-            u_per_wrench[i][c] = c < 3 ? inverse[i][c] : real_div(inverse[i][c], vehicle->radius_m);
+            allocation->u_per_wrench[i][c] = c < 3 ? inverse[i][c] : real_div(inverse[i][c], vehicle->radius_m);
         }
     }
     return SSV_OK;
 }
 
-void ssv_alloc(const real_t u_per_wrench[SSV_NUM_THRUSTERS][6], vec3_t force, vec3_t moment, real_t u_N[SSV_NUM_THRUSTERS]) {
+void ssv_alloc(const ssv_allocation_t* allocation, vec3_t force, vec3_t moment, real_t u_N[SSV_NUM_THRUSTERS]) {
     const real_t wrench[6] = {force.x, force.y, force.z, moment.x, moment.y, moment.z};
     for (int i = 0; i < N; i++) {
         u_N[i] = REAL(0);
-        for (int c = 0; c < 6; c++) u_N[i] += real_mul(u_per_wrench[i][c], wrench[c]);
+        for (int c = 0; c < 6; c++) u_N[i] += real_mul(allocation->u_per_wrench[i][c], wrench[c]);
     }
 }

@@ -9,10 +9,10 @@
 #define SSV_CONDITION_MAX REAL(1000)
 
 /// Inverts the thruster matrix B (column i = [n_i; r_i x n_i] about S). It does not depend on what the vehicle carries, since
-/// every wrench of the core is taken about S. @return SSV_OK, or SSV_E_SINGULAR with *u_per_wrench untouched.
-ssv_status_t ssv_alloc_init(const ssv_vehicle_t* vehicle, real_t u_per_wrench[SSV_NUM_THRUSTERS][6]);
+/// every wrench of the core is taken about S. @return SSV_OK, or SSV_E_SINGULAR with *allocation untouched.
+ssv_status_t ssv_alloc_init(const ssv_vehicle_t* vehicle, ssv_allocation_t* allocation);
 
 /// The thrusts [N] that make force [N] and moment about S [N m].
-void ssv_alloc(const real_t u_per_wrench[SSV_NUM_THRUSTERS][6], vec3_t force, vec3_t moment, real_t u_N[SSV_NUM_THRUSTERS]);
+void ssv_alloc(const ssv_allocation_t* allocation, vec3_t force, vec3_t moment, real_t u_N[SSV_NUM_THRUSTERS]);
 
 #endif

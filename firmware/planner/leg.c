@@ -48,9 +48,9 @@ static void trim(real_t c[SSV_NUM_THRUSTERS]) {
 void ssv_move_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assembly, ssv_twist_t twist, ssv_thrusts_t* thrusts) {
     ssv_demand_t demand;
     ssv_body_demand(assembly, twist, &demand);
-    ssv_alloc(problem->u_per_wrench, demand.accel.force, demand.accel.moment, thrusts->accel);
-    ssv_alloc(problem->u_per_wrench, demand.linear.force, demand.linear.moment, thrusts->linear);
-    ssv_alloc(problem->u_per_wrench, demand.quadratic.force, demand.quadratic.moment, thrusts->quadratic);
+    ssv_alloc(&problem->allocation, demand.accel.force, demand.accel.moment, thrusts->accel);
+    ssv_alloc(&problem->allocation, demand.linear.force, demand.linear.moment, thrusts->linear);
+    ssv_alloc(&problem->allocation, demand.quadratic.force, demand.quadratic.moment, thrusts->quadratic);
     trim(thrusts->accel);
     trim(thrusts->linear);
     trim(thrusts->quadratic);

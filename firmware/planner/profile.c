@@ -434,7 +434,7 @@ ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, ssv_ramp_t ramp, r
     if (!ramp_extend(&laws, BRAKE, reverse_from, &slow) || !ramp_extend(&laws, COAST, top, &slow)) return SSV_TOO_MANY_PIECES;
     if (!ramp_extend(&laws, SPEED_UP, top, &up)) return SSV_TOO_MANY_PIECES;
     keep_slowing(&slow);
-    if (slow.num == 0) return SSV_NO_AUTHORITY;
+    if (slow.v[slow.num] < top && slow.v[slow.num] <= reverse_from) return SSV_NO_AUTHORITY;
     top = real_min(top, slow.v[slow.num]);
     ramp_measure(&up);
     ramp_measure(&slow);

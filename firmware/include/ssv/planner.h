@@ -142,11 +142,16 @@ typedef struct {
     real_t min, max;              ///< what would be accepted (SSV_E_RANGE, SSV_E_NOT_UNIT)
 } ssv_fault_t;
 
+/// Thrusts per wrench on S: row i gives thruster i [N] from [force [N]; moment about S [N m]] (paper Eqs. 12-14, in full).
+typedef struct {
+    real_t u_per_wrench[SSV_NUM_THRUSTERS][6];
+} ssv_allocation_t;
+
 /// A checked scenario with what the search needs from it. Made by `ssv_problem_init` only; its fields are not API.
 typedef struct {
     ssv_scenario_t scenario;      ///< as given, with quaternions and directions normalised and the heights filled in
     uint64_t scenario_hash;
-    real_t u_per_wrench[SSV_NUM_THRUSTERS][6]; ///< B^-1: thrusts that make a wrench on S (paper Eqs. 12-14, in full)
+    ssv_allocation_t allocation;
 } ssv_problem_t;
 
 /// Checks every field of the scenario against its range and caches the inverse of the thruster matrix.

@@ -1,0 +1,166 @@
+// Whole plans through the public interface.
+#include <string.h>
+
+#include "tasks.h"
+#include "unity.h"
+
+static ssv_problem_t problem;
+static ssv_plan_t plan, other;
+
+void setUp(void) {}
+void tearDown(void) {}
+
+static ssv_status_t plan_of(const ssv_scenario_t* s, ssv_plan_t* p) {
+    ssv_fault_t fault;
+    TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, s, &fault));
+    return ssv_plan(&problem, p);
+}
+
+static void test_plan_of_the_case_study_has_the_papers_four_legs_and_two_events(void) {
+    const ssv_scenario_t s = task_case_study(false);
+    TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
+    static const ssv_leg_kind_t kind[] = {SSV_TRANSLATE, SSV_TURN, SSV_TURN, SSV_TRANSLATE};
+    static const ssv_phase_t phase[] = {SSV_TRANSIT, SSV_TRANSIT, SSV_TRANSFER, SSV_TRANSFER};
+    TEST_ASSERT_EQUAL_INT(4, plan.num_legs);
+    double time = 0, impulse = 0;
+    for (int k = 0; k < 4; k++) {
+        TEST_ASSERT_EQUAL_INT(kind[k], plan.leg[k].kind);
+        TEST_ASSERT_EQUAL_INT(phase[k], plan.leg[k].phase);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, time, plan.leg[k].t_start_s);
+        time += plan.leg[k].duration_s;
+        impulse += plan.leg[k].impulse_Ns;
+    }
+    TEST_ASSERT_EQUAL_INT(2, plan.num_events);
+    TEST_ASSERT_EQUAL_INT(SSV_MATE, plan.event[0].kind);
+    TEST_ASSERT_EQUAL_DOUBLE(plan.leg[2].t_start_s, plan.event[0].t_s);
+    TEST_ASSERT_EQUAL_INT(SSV_DOCK, plan.event[1].kind);
+    TEST_ASSERT_EQUAL_DOUBLE(plan.time_s, plan.event[1].t_s);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, time, plan.time_s);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, impulse, plan.impulse_Ns);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, time + impulse, plan.cost);
+}
+
+static void test_choice_is_the_cheapest_candidate_and_its_price_is_that_of_the_plan(void) {
+    task_seed(41);
+    for (int trial = 0; trial < 50; trial++) {
+        const ssv_scenario_t s = task_random();
+        TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
+        const int contacts = s.contact == 0 ? 2 : 1, heights = s.num_attach_heights == 0 ? 3 : s.num_attach_heights;
+        TEST_ASSERT_EQUAL_INT(contacts * heights, plan.num_candidates);
+        for (int k = 0; k < plan.num_candidates; k++) TEST_ASSERT_TRUE(plan.choice.cost <= plan.candidate[k].cost);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12 * plan.cost, plan.choice.cost, plan.cost);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12 * plan.time_s, plan.choice.time_s, plan.time_s);
+    }
+}
+
+static void test_vehicle_on_the_beams_axis_takes_the_cheapest_of_sixteen_sides(void) {
+    ssv_scenario_t s = task_case_study(true);
+    TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
+    TEST_ASSERT_TRUE(plan.num_priced >= 3 * SSV_NUM_RING_ANGLES);
+    s.ring_angle_given = true;
+    double least = INFINITY;
+    for (int k = 0; k < SSV_NUM_RING_ANGLES; k++) {
+        s.ring_angle_rad = 2 * REAL_PI * k / SSV_NUM_RING_ANGLES;
+        TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &other));
+        least = fmin(least, other.cost);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9 * least, least, plan.cost);
+}
+
+static void test_half_turn_of_the_beam_is_planned_about_the_cheapest_axis(void) {
+    ssv_scenario_t s = task_case_study(true);
+    s.axis_I = vec3(-1, 0, 0); // outward axis of contact 1 is -x: it must come round to +x
+    s.ring_angle_given = true;
+    s.ring_angle_rad = -REAL_PI / 2;
+    TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
+    TEST_ASSERT_TRUE(plan.num_priced >= 3 * SSV_NUM_TURN_AXES);
+    const vec3_t outward_I = quat_apply(plan.X_IB_final.q, vec3(0, 0, -1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1, outward_I.x);
+}
+
+static void test_sample_moves_with_its_own_velocity_and_joins_the_legs(void) {
+    task_seed(42);
+    for (int trial = 0; trial < 20; trial++) {
+        const ssv_scenario_t s = task_random();
+        TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
+        for (int k = 0; k < 200; k++) {
+            const double h = 1e-5, t = task_between(h, plan.time_s - h);
+            ssv_sample_t before, here, after;
+            ssv_plan_sample(&plan, t - h, &before);
+            ssv_plan_sample(&plan, t, &here);
+            ssv_plan_sample(&plan, t + h, &after);
+            const vec3_t v_I = vec3_scale(1 / (2 * h), vec3_sub(after.X_IS.p, before.X_IS.p));
+            // Central difference: rounding 1e-15 / h plus a jump of the acceleration (< 30 m/s2) times h.
+            TEST_ASSERT_DOUBLE_WITHIN(5e-4, 0, vec3_norm(vec3_sub(v_I, quat_apply(here.X_IS.q, here.v_IS_S_m_s))));
+            const quat_t d = quat_mul(quat_conj(before.X_IS.q), after.X_IS.q);
+            const vec3_t w = vec3_scale(1 / h, vec3(d.x, d.y, d.z));
+            const double sign = d.w < 0 ? -1 : 1;
+            TEST_ASSERT_DOUBLE_WITHIN(5e-4, 0, vec3_norm(vec3_sub(vec3_scale(sign, w), here.w_IS_S_rad_s)));
+        }
+    }
+}
+
+static void test_sample_rests_before_the_start_and_after_the_end(void) {
+    const ssv_scenario_t s = task_case_study(true);
+    ssv_sample_t sample;
+    TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
+    ssv_plan_sample(&plan, -1, &sample);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, vec3_norm(vec3_sub(sample.X_IS.p, s.X_IS.p)));
+    TEST_ASSERT_FALSE(sample.mated);
+    ssv_plan_sample(&plan, plan.time_s + 1, &sample);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, vec3_norm(vec3_sub(sample.X_IS.p, plan.X_IS_final.p)));
+    TEST_ASSERT_TRUE(sample.mated);
+    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) TEST_ASSERT_EQUAL_DOUBLE(0, sample.u_N[i]);
+}
+
+static void test_task_that_is_done_already_costs_nothing(void) {
+    ssv_scenario_t s = task_case_study(true);
+    TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
+    s.X_IS = plan.X_IS_final;
+    s.X_IB = plan.X_IB_final;
+    s.num_attach_heights = 1;
+    s.attach_heights_m[0] = plan.choice.attach_height_m;
+    TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &other));
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0, other.cost); // a turn by the rounding of the pose, 1e-8 rad, takes some 2e-4 s
+    TEST_ASSERT_EQUAL_INT(2, other.num_events);
+}
+
+static void test_plan_that_would_take_too_long_is_infeasible_with_a_reason_for_each_candidate(void) {
+    ssv_scenario_t s = task_case_study(true);
+    s.contact = 0;
+    s.vehicle.force_max_N = 0.01;
+    TEST_ASSERT_EQUAL_INT(SSV_INFEASIBLE, plan_of(&s, &plan));
+    TEST_ASSERT_EQUAL_INT(SSV_INFEASIBLE, plan.status);
+    TEST_ASSERT_EQUAL_INT(6, plan.num_candidates);
+    for (int k = 0; k < 6; k++) TEST_ASSERT_EQUAL_INT(SSV_TOO_LONG, plan.candidate[k].outcome);
+    TEST_ASSERT_EQUAL_INT(0, plan.num_legs + plan.num_segments + plan.num_events);
+    TEST_ASSERT_TRUE(plan.plan_hash == 0 && plan.scenario_hash == ssv_scenario_hash(&s));
+}
+
+static void test_same_question_gets_the_same_plan_and_another_question_another_hash(void) {
+    ssv_scenario_t s = task_case_study(true);
+    plan_of(&s, &plan);
+    memset(&other, 0x77, sizeof other);
+    plan_of(&s, &other);
+    TEST_ASSERT_TRUE(plan.plan_hash != 0 && plan.plan_hash == other.plan_hash);
+    TEST_ASSERT_TRUE(plan.plan_hash == ssv_plan_hash(&plan));
+    plan.segment[3].u_end_N[2] += 1e-12;
+    TEST_ASSERT_TRUE(plan.plan_hash != ssv_plan_hash(&plan));
+    s.p_IP_m.x += 1e-9;
+    plan_of(&s, &other);
+    TEST_ASSERT_TRUE(plan.plan_hash != other.plan_hash && plan.scenario_hash != other.scenario_hash);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_plan_of_the_case_study_has_the_papers_four_legs_and_two_events);
+    RUN_TEST(test_choice_is_the_cheapest_candidate_and_its_price_is_that_of_the_plan);
+    RUN_TEST(test_vehicle_on_the_beams_axis_takes_the_cheapest_of_sixteen_sides);
+    RUN_TEST(test_half_turn_of_the_beam_is_planned_about_the_cheapest_axis);
+    RUN_TEST(test_sample_moves_with_its_own_velocity_and_joins_the_legs);
+    RUN_TEST(test_sample_rests_before_the_start_and_after_the_end);
+    RUN_TEST(test_task_that_is_done_already_costs_nothing);
+    RUN_TEST(test_plan_that_would_take_too_long_is_infeasible_with_a_reason_for_each_candidate);
+    RUN_TEST(test_same_question_gets_the_same_plan_and_another_question_another_hash);
+    return UNITY_END();
+}

@@ -1,0 +1,147 @@
+// Profiles against textbook solutions of one-dimensional motion. Random legs against brute force: property.profile.
+#include "planner/profile.h"
+#include "unity.h"
+
+#define MASS 76.2
+#define DRAG 413.685
+#define FORCE 6.0
+#define RADIUS 0.3025
+#define INERTIA 2.7
+#define DRAG_ANG 2.2
+
+static ssv_profile_t profile;
+
+void setUp(void) {}
+void tearDown(void) {}
+
+// The SSV along one of its axes: two thrusters share inertia and drag.
+static ssv_thrusts_t straight(void) {
+    const ssv_thrusts_t t = {{MASS / 2, -MASS / 2}, {DRAG / 2, -DRAG / 2}, {0}, FORCE};
+    return t;
+}
+
+// The SSV about one of its axes: both thrusters of a pair push the same way.
+static ssv_thrusts_t turning(void) {
+    const double k = 1 / (2 * RADIUS);
+    const ssv_thrusts_t t = {{0, 0, INERTIA * k, INERTIA * k}, {0}, {0, 0, DRAG_ANG * k, DRAG_ANG * k}, FORCE};
+    return t;
+}
+
+static void solve(const ssv_thrusts_t* thrusts, ssv_ramp_t ramp, double cutoff, double distance) {
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(thrusts, ramp, cutoff, distance, &profile));
+}
+
+static void test_straight_leg_takes_the_time_of_the_exact_solution_with_linear_drag(void) {
+    // Long against tau = m/C: T = D/v_t + 2 tau ln 2, v_t = 2 F / C. The exponential that is left out is below 1e-20.
+    const ssv_thrusts_t t = straight();
+    static const double stroke[] = {6.524, 5.0, 3.476, 0.3025};
+    static const double expected[] = {225.162, 172.624, 120.086, 10.6837};
+    for (int k = 0; k < 4; k++) {
+        solve(&t, SSV_FULL_REVERSE, 0.001, stroke[k]);
+        const double exact = stroke[k] * DRAG / (2 * FORCE) + 2 * MASS / DRAG * log(2);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6 * exact, exact, profile.duration_s); // terminal margin 6e-8
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * expected[k], expected[k], profile.duration_s);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6 * profile.impulse_Ns, 2 * FORCE * exact, profile.impulse_Ns);
+    }
+}
+
+static void test_quarter_turn_takes_the_time_of_the_exact_solution_with_quadratic_drag(void) {
+    // Up: w = w_t tanh(t / tau), angle = w_t tau ln cosh. Down: w = w_t tan, angle = w_t tau ln(1 + (w/w_t)^2) / 2, equal to
+    // -ln(1 - (w/w_t)^2) / 2 for the first; the peak from their sum.
+    const double w_t = sqrt(2 * FORCE * RADIUS / DRAG_ANG), reach = INERTIA / DRAG_ANG, angle = 1.5707963267948966;
+    const double e = exp(2 * angle / reach), x2 = (e - 1) / (e + 1);
+    const double exact = reach / w_t * (atanh(sqrt(x2)) + atan(sqrt(x2)));
+    const ssv_thrusts_t t = turning();
+    solve(&t, SSV_FULL_REVERSE, 0.01, angle);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, exact, profile.duration_s);
+    TEST_ASSERT_DOUBLE_WITHIN(5e-6, 2.26669, profile.duration_s); // model check value, to its digits
+    TEST_ASSERT_DOUBLE_WITHIN(5e-5, 27.2003, profile.impulse_Ns);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, w_t * sqrt(x2), profile.peak_speed);
+}
+
+static void test_leg_without_drag_speeds_up_and_brakes_at_constant_rate(void) {
+    const ssv_thrusts_t t = {{10, 5, 0, -10, 2, 1}, {0}, {0}, FORCE};
+    solve(&t, SSV_FULL_REVERSE, 0.001, 2.5);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2 * sqrt(2.5 / 0.6), profile.duration_s); // a = 6 N / 10 kg
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, sqrt(2.5 * 0.6), profile.peak_speed);
+    TEST_ASSERT_EQUAL_INT(2, profile.num_pieces);
+}
+
+static void test_drag_only_ramp_gives_no_thrust_above_its_cutoff_and_full_reverse_below(void) {
+    const ssv_thrusts_t t = straight();
+    solve(&t, SSV_DRAG_ONLY, 0.001, 3.476);
+    const ssv_piece_t* coast = &profile.piece[profile.num_pieces - 2];
+    const ssv_piece_t* brake = &profile.piece[profile.num_pieces - 1];
+    double c[3];
+    ssv_piece_thrust(&t, coast, 0, c);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, fabs(c[0]) + fabs(c[1]) + fabs(c[2]));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-15, 0.001, coast->v_end);
+    // The coast is an exponential decay from terminal speed.
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, MASS / DRAG * log(2 * FORCE / DRAG / 0.001), coast->duration_s);
+    ssv_piece_thrust(&t, brake, 0, c);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, -FORCE, c[0]);
+    TEST_ASSERT_EQUAL_DOUBLE(0, brake->v_end);
+}
+
+static void test_drag_only_needs_less_impulse_and_more_time_than_full_reverse(void) {
+    const ssv_thrusts_t t = turning();
+    solve(&t, SSV_FULL_REVERSE, 0.01, 1.5);
+    const double time = profile.duration_s, impulse = profile.impulse_Ns;
+    solve(&t, SSV_DRAG_ONLY, 0.01, 1.5);
+    TEST_ASSERT_TRUE(profile.duration_s > time && profile.impulse_Ns < impulse);
+}
+
+static void test_pieces_join_in_time_speed_and_distance_and_cover_the_leg(void) {
+    const ssv_thrusts_t t = {{30, -25, 4, 9, 0, -2}, {210, -190, 15, 0, 3, 1}, {40, 0, -60, 25, 9, 0}, FORCE};
+    static const double stroke[] = {1e-6, 1e-3, 0.02, 0.5, 20};
+    for (int k = 0; k < 5; k++) {
+        for (int ramp = SSV_FULL_REVERSE; ramp <= SSV_DRAG_ONLY; ramp++) {
+            solve(&t, (ssv_ramp_t)ramp, 0.001, stroke[k]);
+            double time = 0, distance = 0, speed = 0;
+            for (int i = 0; i < profile.num_pieces; i++) {
+                const ssv_piece_t* p = &profile.piece[i];
+                TEST_ASSERT_DOUBLE_WITHIN(1e-9 * profile.duration_s, time, p->t_s);
+                TEST_ASSERT_DOUBLE_WITHIN(1e-9 * stroke[k], distance, p->s);
+                TEST_ASSERT_EQUAL_DOUBLE(speed, p->v_start);
+                TEST_ASSERT_DOUBLE_WITHIN(1e-9 * profile.peak_speed, p->v_end, ssv_piece_speed(p, p->duration_s));
+                time += p->duration_s;
+                distance += ssv_piece_moments(p, p->v_start, p->v_end, p->duration_s).distance;
+                speed = p->v_end;
+            }
+            TEST_ASSERT_EQUAL_DOUBLE(0, speed);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-9 * stroke[k], stroke[k], distance);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-9 * time, time, profile.duration_s);
+        }
+    }
+}
+
+static void test_leg_that_no_thruster_acts_on_has_no_authority(void) {
+    const ssv_thrusts_t t = {{0}, {0}, {0}, FORCE};
+    TEST_ASSERT_EQUAL_INT(SSV_NO_AUTHORITY, ssv_profile_solve(&t, SSV_FULL_REVERSE, 0.001, 1, &profile));
+}
+
+static void test_drag_only_is_refused_where_least_thrust_does_not_slow_the_body(void) {
+    // One thruster idles at a = 0 and weighs more than the rest together: least thrust holds the speed.
+    const ssv_thrusts_t t = {{100, 1, 1}, {0, 1, 1}, {0}, FORCE};
+    TEST_ASSERT_EQUAL_INT(SSV_NO_AUTHORITY, ssv_profile_solve(&t, SSV_DRAG_ONLY, 0.001, 1, &profile));
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(&t, SSV_FULL_REVERSE, 0.001, 1, &profile));
+}
+
+static void test_leg_longer_than_the_longest_plan_is_too_long(void) {
+    const ssv_thrusts_t t = straight();
+    TEST_ASSERT_EQUAL_INT(SSV_TOO_LONG, ssv_profile_solve(&t, SSV_FULL_REVERSE, 0.001, 600, &profile));
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_straight_leg_takes_the_time_of_the_exact_solution_with_linear_drag);
+    RUN_TEST(test_quarter_turn_takes_the_time_of_the_exact_solution_with_quadratic_drag);
+    RUN_TEST(test_leg_without_drag_speeds_up_and_brakes_at_constant_rate);
+    RUN_TEST(test_drag_only_ramp_gives_no_thrust_above_its_cutoff_and_full_reverse_below);
+    RUN_TEST(test_drag_only_needs_less_impulse_and_more_time_than_full_reverse);
+    RUN_TEST(test_pieces_join_in_time_speed_and_distance_and_cover_the_leg);
+    RUN_TEST(test_leg_that_no_thruster_acts_on_has_no_authority);
+    RUN_TEST(test_drag_only_is_refused_where_least_thrust_does_not_slow_the_body);
+    RUN_TEST(test_leg_longer_than_the_longest_plan_is_too_long);
+    return UNITY_END();
+}

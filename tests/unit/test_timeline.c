@@ -1,0 +1,91 @@
+// The timeline against the exact thrusts of random profiles.
+#include "planner/timeline.h"
+#include "tasks.h"
+#include "unity.h"
+
+#define N SSV_NUM_THRUSTERS
+
+static ssv_plan_t plan;
+static ssv_profile_t profile;
+
+void setUp(void) {}
+void tearDown(void) {}
+
+static ssv_thrusts_t random_thrusts(void) {
+    ssv_thrusts_t t;
+    for (int i = 0; i < N; i++) {
+        t.accel[i] = task_between(-60, 60);
+        t.linear[i] = task_between(-0.5, 3) * t.accel[i] + task_between(-20, 20);
+        t.quadratic[i] = task_between(0, 20) * t.accel[i] + task_between(-100, 100);
+    }
+    t.force_max_N = 6;
+    return t;
+}
+
+static double exact_thrust(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, int i, double t) {
+    const double v = ssv_piece_speed(piece, fmin(fmax(t, 0), piece->duration_s));
+    const double a = piece->law[0] + v * (piece->law[1] + v * piece->law[2]);
+    return thrusts->accel[i] * a + thrusts->linear[i] * v + thrusts->quadratic[i] * v * v;
+}
+
+static void test_timeline_of_random_legs_is_close_exact_in_impulse_contiguous_and_within_limits(void) {
+    task_seed(31);
+    for (int trial = 0; trial < 300; trial++) {
+        const ssv_thrusts_t thrusts = random_thrusts();
+        const ssv_ramp_t ramp = trial % 2 == 0 ? SSV_FULL_REVERSE : SSV_DRAG_ONLY;
+        const double distance = pow(10, task_between(-2, 1.5));
+        if (ssv_profile_solve(&thrusts, ramp, 0.01, distance, &profile) != SSV_FEASIBLE) continue;
+        for (int k = 0; k < profile.num_pieces; k++) {
+            const ssv_piece_t* piece = &profile.piece[k];
+            plan.num_segments = 0;
+            TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, piece, 100, 3, &plan));
+            double t = 100;
+            for (int g = 0; g < plan.num_segments; g++) {
+                const ssv_segment_t* segment = &plan.segment[g];
+                TEST_ASSERT_DOUBLE_WITHIN(1e-9, t, segment->t_s);
+                TEST_ASSERT_EQUAL_INT(3, segment->leg);
+                for (int i = 0; i < N; i++) {
+                    const double rise = segment->u_end_N[i] - segment->u_start_N[i];
+                    double impulse = 0;
+                    const int steps = 400; // Simpson
+                    for (int n = 0; n <= steps; n++) {
+                        const double along = (double)n / steps, at = segment->t_s - 100 + along * segment->duration_s;
+                        const double exact = exact_thrust(&thrusts, piece, i, at);
+                        TEST_ASSERT_DOUBLE_WITHIN(0.005 * 6, exact, segment->u_start_N[i] + along * rise);
+                        impulse += (n == 0 || n == steps ? 1 : n % 2 == 1 ? 4 : 2) * exact * segment->duration_s / (3 * steps);
+                    }
+                    TEST_ASSERT_TRUE(fabs(segment->u_start_N[i]) <= 6 && fabs(segment->u_end_N[i]) <= 6);
+                    // Simpson's error on a stretch of the last seconds of a ramp, relative to the leg's whole impulse.
+                    TEST_ASSERT_DOUBLE_WITHIN(1e-7 * (1 + profile.impulse_Ns), impulse,
+                                              (segment->u_start_N[i] + segment->u_end_N[i]) / 2 * segment->duration_s);
+                }
+                t += segment->duration_s;
+            }
+            TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100 + piece->duration_s, t);
+        }
+    }
+}
+
+static void test_constant_thrust_is_one_segment(void) {
+    const ssv_thrusts_t thrusts = {{38.1, -38.1}, {206.8425, -206.8425}, {0}, 6};
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(&thrusts, SSV_FULL_REVERSE, 0.001, 2, &profile));
+    plan.num_segments = 0;
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &profile.piece[0], 0, 0, &plan));
+    TEST_ASSERT_EQUAL_INT(1, plan.num_segments);
+}
+
+static void test_full_timeline_refuses_more(void) {
+    const ssv_thrusts_t thrusts = {{38.1, -38.1}, {206.8425, -206.8425}, {0}, 6};
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(&thrusts, SSV_FULL_REVERSE, 0.001, 2, &profile));
+    plan.num_segments = SSV_MAX_SEGMENTS;
+    TEST_ASSERT_EQUAL_INT(SSV_TOO_MANY_SEGMENTS, ssv_timeline_append(&thrusts, &profile.piece[0], 0, 0, &plan));
+    TEST_ASSERT_EQUAL_INT(SSV_MAX_SEGMENTS, plan.num_segments);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_timeline_of_random_legs_is_close_exact_in_impulse_contiguous_and_within_limits);
+    RUN_TEST(test_constant_thrust_is_one_segment);
+    RUN_TEST(test_full_timeline_refuses_more);
+    return UNITY_END();
+}
