@@ -63,8 +63,8 @@ _ssv_install_packages() {
     if [[ $EUID -ne 0 ]]; then
         as_root=(sudo -n)
         if ! sudo -n true 2>/dev/null; then
-            _ssv_die "Debian packages are missing. Run this line, then the script again:" \
-                "  sudo apt-get update && sudo apt-get install -y --no-install-recommends ${missing% }"
+            _ssv_die "Debian packages are missing. Run this line as root, then the script again:" \
+                "  apt-get update && apt-get install -y --no-install-recommends ${missing% }"
         fi
     fi
     _ssv_step "Reading the package lists" "${as_root[@]}" apt-get -o DPkg::Lock::Timeout=300 update
@@ -92,7 +92,7 @@ ssv_setup() {
     _ssv_make_venv
     if [[ $1 == tests ]]; then
         tests=ON
-        _ssv_step "Fetching Unity" python3 "$SSV_ROOT/tests/support/fetch_unity.py"
+        _ssv_step "Looking for Unity" python3 "$SSV_ROOT/tests/support/fetch_unity.py"
     fi
     _ssv_step "Configuring" cmake -S "$SSV_ROOT" -B "$SSV_BUILD" -G Ninja -DSSV_BUILD_TESTS=$tests \
         -DPython3_EXECUTABLE="$SSV_PYTHON" \
