@@ -8,6 +8,7 @@ Exit codes: 0 every plan arrived, 1 one did not.
 
 import csv
 import ctypes
+import functools
 import json
 import math
 import os
@@ -37,10 +38,16 @@ class Failed(Exception):
     """What went wrong, for the person at the terminal."""
 
 
-def end_with_parent(number):
+def end_with(parent_pid, number):
     """Has the kernel send this process a signal when its parent ends, however it ends."""
     pr_set_pdeathsig = 1
     ctypes.CDLL(None).prctl(pr_set_pdeathsig, number)
+    if os.getppid() != parent_pid:  # it ended before the kernel knew
+        os._exit(1)
+
+
+# For subprocess: what every process that the demo starts does first.
+end_with_demo = functools.partial(end_with, os.getpid(), signal.SIGKILL)
 
 
 class Planner:
@@ -56,7 +63,7 @@ class Planner:
             stdin=subprocess.DEVNULL,
             stdout=self._log,
             stderr=self._log,
-            preexec_fn=lambda: end_with_parent(signal.SIGKILL),
+            preexec_fn=end_with_demo,
         )
         return self
 
@@ -77,7 +84,7 @@ def ask(bin_dir, attachment, weights):
     """The plan for one attachment, as the planner gave it over LCM."""
     scenario = SCENARIO.read_text() + f"attach_heights_m: [{ATTACHMENTS[attachment]}]\n"
     command = [bin_dir / "ssv", "plan", "/dev/stdin", "--lcm", "--format", "json", "--weights", weights]
-    done = subprocess.run(command, input=scenario, capture_output=True, text=True)
+    done = subprocess.run(command, input=scenario, capture_output=True, text=True, preexec_fn=end_with_demo)
     if done.returncode != 0:
         raise Failed(f"No plan for attachment {attachment} with weights {weights}.\n{done.stderr}")
     return json.loads(done.stdout)
@@ -247,7 +254,7 @@ def run(bin_dir):
 def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__)
-    end_with_parent(signal.SIGTERM)
+    end_with(os.getppid(), signal.SIGTERM)
     # As an exception, a signal unwinds through the `with` block that stops the planner.
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda number, _: sys.exit(128 + number))

@@ -182,7 +182,9 @@ static int show(const arguments_t* arguments, const lcm_ssv_scenario_t* question
 /// Shows the planner's answer, and on standard error why it is no plan.
 static int conclude(const arguments_t* arguments, const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer) {
     const int code = show(arguments, question, answer);
-    if (answer->status != LCM_SSV_PLAN_T_STATUS_OK) {
+    if (answer->status == LCM_SSV_PLAN_T_STATUS_INFEASIBLE) {
+        fprintf(stderr, "ssv: %s: no feasible candidate\n", arguments->scenario_path); // the answer itself says why of each
+    } else if (answer->status != LCM_SSV_PLAN_T_STATUS_OK) {
         fprintf(stderr, "ssv: %s: %s\n", arguments->scenario_path, answer->reason);
     }
     return code;

@@ -331,8 +331,25 @@ static void refusal_note(cyaml_log_t level, void* context, const char* format, v
     path_prepend(refusal->path, sizeof refusal->path, name + 1, (size_t)(name_end - name - 1));
 }
 
+/// The first line, not before the one given, on which the key stands: libcyaml knows only where the value before it is.
+static int line_of_key(const char* text, int from_line, const char* key) {
+    const size_t key_length = strlen(key);
+    for (int line = 1; *text != '\0'; line++) {
+        const size_t code_length = strcspn(text, "#\n");
+        for (size_t i = 0; line >= from_line && i + key_length < code_length; i++) {
+            if (strncmp(text + i, key, key_length) == 0 && text[i + key_length] == ':' &&
+                (i == 0 || strchr(" -{,\"'", text[i - 1]) != NULL)) {
+                return line;
+            }
+        }
+        text += strcspn(text, "\n");
+        text += *text == '\n';
+    }
+    return from_line;
+}
+
 /// libcyaml's message in the words of a user who knows keys and lists, not libcyaml; any other message as it is.
-static void error_set_refusal(error_t* error, const refusal_t* refusal, cyaml_err_t status) {
+static void error_set_refusal(error_t* error, const refusal_t* refusal, const char* text, cyaml_err_t status) {
     const char* const missing = "Missing required mapping field: ";
     const char* const unknown = "Unexpected key: ";
     const char* const parser = "libyaml: ";
@@ -345,7 +362,8 @@ static void error_set_refusal(error_t* error, const refusal_t* refusal, cyaml_er
     }
     if (strncmp(message, unknown, strlen(unknown)) == 0) {
         const char* const joint = refusal->path[0] != '\0' ? "." : "";
-        error_set(error, refusal->line, "%s%s%s: unknown key", refusal->path, joint, message + strlen(unknown));
+        const char* const key = message + strlen(unknown);
+        error_set(error, line_of_key(text, refusal->line, key), "%s%s%s: unknown key", refusal->path, joint, key);
         return;
     }
     if (strncmp(message, parser, strlen(parser)) == 0) {
@@ -367,7 +385,7 @@ static void error_set_refusal(error_t* error, const refusal_t* refusal, cyaml_er
     error_set(error, refusal->line, "%s%s%s", refusal->path, refusal->path[0] != '\0' ? ": " : "", message);
 }
 
-/// The whole file, or NULL with the error set. The caller frees it.
+/// The whole file with a '\0' after it, or NULL with the error set. The caller frees it.
 static uint8_t* file_read(error_t* error, size_t* size) {
     FILE* file = fopen(error->file, "rb");
     if (file == NULL) {
@@ -391,6 +409,7 @@ static uint8_t* file_read(error_t* error, size_t* size) {
         free(data);
         return NULL;
     }
+    data[*size] = '\0';
     return data;
 }
 
@@ -406,13 +425,13 @@ static void* text_read(error_t* error, const cyaml_schema_value_t* schema) {
         .log_fn = refusal_note, .log_ctx = &refusal, .log_level = CYAML_LOG_WARNING, .mem_fn = cyaml_mem};
     cyaml_data_t* text = NULL;
     const cyaml_err_t status = cyaml_load_data(data, size, &config, schema, &text, NULL);
-    free(data);
     // A warning says that something in the file was passed over, which nobody who wrote it expects.
     if (status != CYAML_OK || refusal.message[0] != '\0') {
-        error_set_refusal(error, &refusal, status);
+        error_set_refusal(error, &refusal, (const char*)data, status);
     } else if (text == NULL) {
         error_set(error, 0, "empty: no key is in it");
     }
+    free(data);
     if (error_is_set(error)) {
         cyaml_free(&config, schema, text, 0);
         return NULL;

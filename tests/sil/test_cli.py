@@ -1,0 +1,604 @@
+"""ssv plan from the outside: what users and their scripts rely on."""
+import json
+import math
+import os
+import random
+import resource
+import signal
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+from pathlib import Path
+
+import lcm
+
+BIN = Path(os.environ["SSV_BIN_DIR"])
+HOST = Path(os.environ["SSV_SOURCE_DIR"]) / "host"
+SCENARIOS = sorted((HOST / "scenarios").glob("*.yaml"))
+PAPER_CASE = HOST / "scenarios" / "paper_case.yaml"
+PORT1 = HOST / "scenarios" / "port1_contact2.yaml"
+
+# Ports of our own, so that tests which run at the same time do not hear one another.
+LCM_PORT = 20000 + os.getpid() % 20000
+URL = f"udpm://239.255.76.67:{LCM_PORT}?ttl=0"
+SILENT_URL = f"udpm://239.255.76.67:{LCM_PORT + 20000}?ttl=0"
+
+
+def ssv(*arguments, **options):
+    return subprocess.run([BIN / "ssv", *map(str, arguments)], capture_output=True, text=True, timeout=60, **options)
+
+
+def edited(text, *changes):
+    for old, new in changes:
+        if text.count(old) < 1:
+            raise ValueError(f"'{old}' is not in the file")
+        text = text.replace(old, new, 1)
+    return text
+
+
+def without_stamp(plan):
+    """The answer without what differs from run to run by intent."""
+    plan = json.loads(json.dumps(plan))
+    del plan["request_id"], plan["scenario"]["request_id"], plan["scenario"]["epoch_us"]
+    return plan
+
+
+class Daemon:
+    def __init__(self, url):
+        self._url = url
+
+    def __enter__(self):
+        self.process = subprocess.Popen([BIN / "ssv-plannerd", "--lcm-url", self._url], stderr=subprocess.DEVNULL)
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait(timeout=10)
+
+
+class InFolder(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def scenario(self, *changes, base=PAPER_CASE):
+        path = self.folder / "task.yaml"
+        path.write_text(edited(base.read_text(), *changes))
+        return path
+
+    def scenario_with_model(self, *changes):
+        (self.folder / "mine.yaml").write_text(edited((HOST / "models" / "ease.yaml").read_text(), *changes))
+        return self.scenario(("model: ease", "model: mine.yaml"), base=PORT1)
+
+    def assert_refused(self, path, *words, arguments=()):
+        """Exit code 2, a sentence with these words on standard error, and the same in the JSON."""
+        done = ssv("plan", path, *arguments)
+        self.assertEqual(done.returncode, 2, done)
+        self.assertEqual(done.stdout, "")
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        done = ssv("plan", path, "--format", "json", *arguments)
+        self.assertEqual(done.returncode, 2, done)
+        answer = json.loads(done.stdout)
+        self.assertEqual(list(answer), ["status", "reason"])
+        self.assertEqual(answer["status"], "invalid")
+        for word in words:
+            self.assertIn(word, answer["reason"])
+            self.assertIn(word, done.stderr)
+
+
+class BadInputTest(InFolder):
+    def test_values_that_make_no_sense_are_refused_by_the_name_of_their_field(self):
+        for change, field in [
+            (("p_IS_m: [0, 0, 0]", "p_IS_m: [0, .nan, 0]"), "vehicle.p_IS_m: nan"),
+            (("p_IB_m: [5, 0, 0]", "p_IB_m: [.inf, 0, 0]"), "beam.p_IB_m: inf"),
+            (("p_IP_m: [6.524, 5, 0]", "p_IP_m: [6.524, -.inf, 0]"), "port.p_IP_m: -inf"),
+            (("p_IP_m: [6.524, 5, 0]", "p_IP_m: [6.524, 5000, 0]"), "port.p_IP_m: 5000 is outside its range"),
+            (("standoff_m: 0.3025", "standoff_m: 1e999"), "standoff_m: inf"),
+            (("standoff_m: 0.3025", "standoff_m: 0"), "standoff_m: 0 is outside its range"),
+            (("q_IS: [0, 0, 0, 1]", "q_IS: [0, 0, 0, 0]"), "vehicle.q_IS: length 0"),
+            (("q_IS: [0, 0, 0, 1]", "q_IS: [0, 0, 0, 1.002]"), "vehicle.q_IS: length 1.002"),
+            (("q_IB: [0.7071067811865476,", "q_IB: [0.8,"), "beam.q_IB: length"),
+            (("axis_I: [0, -1, 0]", "axis_I: [0, -1, 1]"), "port.axis_I: length"),
+            (("{time: 1, impulse: 1}", "{time: -1, impulse: 1}"), "weights.time: -1"),
+            (("{time: 1, impulse: 1}", "{time: 1, impulse: -0.5}"), "weights.impulse: -0.5"),
+            (("{time: 1, impulse: 1}", "{time: 0, impulse: 0}"), "weights: both are zero"),
+            (("ring_angle_rad: -1.57", "ring_angle_rad: -7.57"), "ring_angle_rad: -7.57"),
+            (("model: paper", "model: paper\nattach_heights_m: [0, 1.6]"), "attach_heights_m[1]: 1.6 is outside its range"),
+        ]:
+            with self.subTest(field):
+                self.assert_refused(self.scenario(change), field)
+
+    def test_a_model_that_makes_no_sense_is_refused_by_the_name_of_its_field(self):
+        for change, field in [
+            (("mass_kg: 76.2", "mass_kg: 0"), "vehicle.mass_kg: 0 is outside its range"),
+            (("mass_kg: 11.3636", "mass_kg: -1"), "beam.mass_kg: -1"),
+            (("[2.7, 2.7, 2.7]", "[2.7, .nan, 2.7]"), "vehicle.inertia_kg_m2: nan"),
+            (("length_m: 3.048", "length_m: 0"), "beam.length_m: 0"),
+            (("drag_strip_kg_m2: 66.66", "drag_strip_kg_m2: -1"), "beam.drag_strip_kg_m2: -1"),
+            (("n_T_S: [1, 0, 0]", "n_T_S: [1, 1, 0]"), "vehicle.thrusters[0].n_T_S: length"),
+            (("n_T_S: [0, 1, 0]", "n_T_S: [1, 0, 0]"), "vehicle.thrusters"),
+            (("axis_H: [0.5, 0", "axis_H: [0.6, 0"), "hub.ports[0].axis_H: length"),
+            (("p_HP_m: [0.1905", "p_HP_m: [.nan"), "hub.ports[0].p_HP_m: nan"),
+        ]:
+            with self.subTest(field):
+                self.assert_refused(self.scenario_with_model(change), field)
+
+    def test_text_where_a_number_belongs_is_refused(self):
+        for text in ("1,5", "1.5m", "0x10", "abc", "''", "~", "1e", "--1", "inf"):
+            with self.subTest(text):
+                change = ("standoff_m: 0.3025", f"standoff_m: {text}")
+                self.assert_refused(self.scenario(change), "standoff_m", "is not a number")
+
+    def test_a_word_that_is_no_choice_is_refused_with_the_choices(self):
+        self.assert_refused(self.scenario(("contact: 1", "contact: 3")), "beam.contact: '3'", "either, 1, 2")
+        self.assert_refused(self.scenario(("port: 1", "port: 4"), base=PORT1), "hub.port: '4'", "1, 2, 3")
+
+    def test_the_hub_is_checked_though_the_planner_never_sees_it(self):
+        self.assert_refused(self.scenario(("q_IH: [1, 0, 0, 0]", "q_IH: [0, 0, 0, 0]"), base=PORT1), "hub.q_IH: length 0")
+        self.assert_refused(self.scenario(("p_IH_m: [5, 3, 0.5]", "p_IH_m: [5, .inf, 0.5]"), base=PORT1), "hub.p_IH_m: inf")
+
+    def test_an_unknown_a_missing_and_a_repeated_key_are_named_with_their_line(self):
+        for change, words in [
+            (("standoff_m:", "standof_m:"), ["standof_m: unknown key", "task.yaml:15"]),
+            (("{time: 1, impulse: 1}", "{time: 1, impulse: 1, fuel: 2}"), ["weights.fuel: unknown key", "task.yaml:16"]),
+            (("  contact: 1\n", ""), ["beam.contact: this key is missing"]),
+            (("{time: 1, impulse: 1}", "{}"), ["weights.", "this key is missing"]),
+            (("model: paper\n", ""), ["model: this key is missing"]),
+            (("contact: 1", "contact: 1\n  contact: 2"), ["beam.contact: this key stands there twice"]),
+        ]:
+            with self.subTest(words[0]):
+                self.assert_refused(self.scenario(change), "task.yaml", *words)
+        port = "port:\n  p_IP_m: [6.524, 5, 0]\n  axis_I: [0, -1, 0]\n"
+        self.assert_refused(self.scenario((port, "")), "port: this key is missing", "hub")
+        hub = "hub: {p_IH_m: [0, 0, 0], q_IH: [1, 0, 0, 0], port: 1}\n"
+        self.assert_refused(self.scenario((port, port + hub)), "hub: port is given too")
+
+    def test_keys_of_the_model_file_are_held_to_the_same(self):
+        for change, words in [
+            (("n_T_S: [1, 0, 0]", "n_TS: [1, 0, 0]"), ["mine.yaml:", "vehicle.thrusters[0].n_TS: unknown key"]),
+            (("  length_m: 3.048 ", "#"), ["mine.yaml:", "beam.length_m: this key is missing"]),
+            (("    - {p_ST_m: [0, -0.3025, 0], n_T_S: [0, 0, -1]}\n", ""), ["mine.yaml:", "vehicle.thrusters: 5 entries"]),
+            (("n_T_S: [1, 0, 0]", "n_T_S: [1, x, 0]"), ["mine.yaml:", "vehicle.thrusters[0].n_T_S[1]: 'x' is not a number"]),
+        ]:
+            with self.subTest(words[1]):
+                self.assert_refused(self.scenario_with_model(change), *words)
+
+    def test_a_list_of_the_wrong_length_is_refused(self):
+        self.assert_refused(self.scenario(("[0, 0, 0, 1]", "[0, 0, 1]")), "vehicle.q_IS: 3 entries")
+        self.assert_refused(self.scenario(("[0, 0, 0, 1]", "[0, 0, 0, 1, 0]")), "vehicle.q_IS: more than 4 entries")
+        none, nine = ("model: paper\nattach_heights_m: [" + ", ".join("0" * count) + "]" for count in (0, 9))
+        self.assert_refused(self.scenario(("model: paper", none)), "attach_heights_m: 0 entries")
+        self.assert_refused(self.scenario(("model: paper", nine)), "attach_heights_m: more than 8 entries")
+
+    def test_an_unknown_model_is_refused_with_the_names_there_are(self):
+        self.assert_refused(self.scenario(("model: paper", "model: papper")), "model: 'papper'", "ease, paper")
+        self.assert_refused(self.scenario(("model: paper", "model: no/such.yaml")), "no/such.yaml: cannot open")
+
+    def test_a_file_that_is_no_scenario_is_refused_by_its_name(self):
+        contents = {
+            "empty.yaml": b"",
+            "comment.yaml": b"# nothing\n",
+            "binary.yaml": bytes(range(256)) * 64,
+            "noise.yaml": random.Random(1).randbytes(4096),
+            "list.yaml": b"[1, 2, 3]\n",
+            "word.yaml": b"hello\n",
+            "unclosed.yaml": b"model: [paper\n",
+            "two.yaml": PAPER_CASE.read_bytes() + b"---\n" + PAPER_CASE.read_bytes(),
+            "deep.yaml": b"model: " + b"[" * 100000,
+            "huge.yaml": PAPER_CASE.read_bytes() + b"#" * (1 << 20),
+        }
+        for name, content in contents.items():
+            (self.folder / name).write_bytes(content)
+        (self.folder / "folder.yaml").mkdir()
+        for name in [*contents, "folder.yaml", "absent.yaml"]:
+            with self.subTest(name):
+                self.assert_refused(self.folder / name, name)
+
+    def test_text_of_the_file_cannot_steer_the_terminal(self):
+        done = ssv("plan", self.scenario(("model: paper", 'model: "\\e[31mred\\n"')))
+        self.assertEqual(done.returncode, 2)
+        self.assertNotIn("\x1b", done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1)
+
+    def test_quaternions_within_a_thousandth_of_unit_length_are_taken(self):
+        self.assertEqual(ssv("plan", self.scenario(("[0, 0, 0, 1]", "[0, 0, 0, 1.0009]"))).returncode, 0)
+
+    def test_a_task_that_takes_too_long_is_infeasible_with_a_reason_per_candidate(self):
+        path = self.scenario(("p_IS_m: [0, 0, 0]", "p_IS_m: [-900, 0, 0]"))
+        done = ssv("plan", path, "--format", "json")
+        self.assertEqual(done.returncode, 3, done)
+        answer = json.loads(done.stdout)
+        self.assertEqual(
+            list(answer), ["status", "reason", "request_id", "candidates", "scenario_hash", "scenario"])
+        self.assertEqual(answer["status"], "infeasible")
+        self.assertEqual(len(answer["candidates"]), 3)
+        for candidate in answer["candidates"]:
+            self.assertIn("longest plan", candidate["reason"])
+        done = ssv("plan", path)
+        self.assertEqual(done.returncode, 3)
+        self.assertEqual(done.stdout.count("not feasible"), 3)
+
+
+class UsageTest(InFolder):
+    def test_wrong_arguments_are_told_from_wrong_scenarios(self):
+        for arguments in [
+            [],
+            ["fly"],
+            ["plan"],
+            ["plan", PAPER_CASE, PAPER_CASE],
+            ["plan", PAPER_CASE, "--wieghts", "1,1"],
+            ["plan", PAPER_CASE, "--weights", "1"],
+            ["plan", PAPER_CASE, "--weights", "1;2"],
+            ["plan", PAPER_CASE, "--weights", "a,b"],
+            ["plan", PAPER_CASE, "--method", "best"],
+            ["plan", PAPER_CASE, "--format", "xml"],
+            ["plan", PAPER_CASE, "--lcm", "--timeout", "0"],
+            ["plan", PAPER_CASE, "--lcm", "--timeout", ".nan"],
+        ]:
+            with self.subTest(arguments):
+                done = ssv(*arguments)
+                self.assertEqual(done.returncode, 64, done)
+                self.assertEqual(done.stdout, "")
+                self.assertIn("ssv", done.stderr)
+
+    def test_help_has_examples_and_every_exit_code(self):
+        done = ssv("plan", "--help")
+        self.assertEqual(done.returncode, 0)
+        self.assertIn("Examples:", done.stdout)
+        codes = [line.split()[0] for line in done.stdout.split("Exit codes:")[1].splitlines() if line.strip()]
+        self.assertEqual(sorted(code for code in codes if code.isdigit()), ["0", "1", "2", "3", "4", "64"])
+        self.assertLessEqual(max(map(len, done.stdout.splitlines())), 80)
+        self.assertIn("plan", ssv("--help").stdout)
+
+    def test_version_is_that_of_the_daemon(self):
+        daemon = subprocess.run([BIN / "ssv-plannerd", "--version"], capture_output=True, text=True, timeout=60)
+        self.assertEqual(ssv("--version").stdout.split()[-1], daemon.stdout.split()[-1])
+
+    def test_weights_of_the_command_line_count_over_those_of_the_file(self):
+        plan = json.loads(ssv("plan", PAPER_CASE, "--weights", "0.5,2e-1", "--format", "json").stdout)
+        self.assertEqual(plan["scenario"]["weights"], {"time": 0.5, "impulse": 0.2})
+        self.assertAlmostEqual(plan["cost"]["J"], 0.5 * plan["cost"]["time_s"] + 0.2 * plan["cost"]["impulse_Ns"], 9)
+        done = ssv("plan", PAPER_CASE, "--weights", "-1,0")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("weights.time: -1", done.stderr)
+
+    def test_a_scenario_may_come_through_a_pipe(self):
+        done = ssv("plan", "/dev/stdin", "--format", "json", input=PAPER_CASE.read_text())
+        self.assertEqual(done.returncode, 0, done)
+
+    def test_a_model_path_counts_from_the_scenario_file(self):
+        (self.folder / "models").mkdir()
+        (self.folder / "models" / "mine.yaml").write_text((HOST / "models" / "paper.yaml").read_text())
+        by_path = ssv("plan", self.scenario(("model: paper", "model: models/mine.yaml")), "--format", "json", cwd="/")
+        by_name = ssv("plan", PAPER_CASE, "--format", "json")
+        self.assertEqual(without_stamp(json.loads(by_path.stdout)), without_stamp(json.loads(by_name.stdout)))
+
+
+def shape(value):
+    """The keys and the kinds of values; of a list what all its elements have in common."""
+    if isinstance(value, dict):
+        return {key: shape(element) for key, element in value.items()}
+    if isinstance(value, list):
+        shapes = [shape(element) for element in value]
+        if any(element != shapes[0] for element in shapes):
+            raise AssertionError(f"elements differ: {value}")
+        return [len(value) if shapes and shapes[0] == "real" else "any", shapes[0]] if shapes else []
+    return {float: "real", int: "integer", str: "text", type(None): "null"}[type(value)]
+
+
+V3, Q4, U6 = [3, "real"], [4, "real"], [6, "real"]
+POSE_S, POSE_B = {"p_IS_m": V3, "q_IS": Q4}, {"p_IB_m": V3, "q_IB": Q4}
+BODY = {"mass_kg": "real", "inertia_kg_m2": V3, "added_mass_kg": V3, "drag_lin_kg_s": "real", "drag_quad_kg_m": "real",
+        "drag_lin_ang_Nm_s": "real", "drag_quad_ang_Nm_s2": "real"}
+PLAN_SHAPE = {
+    "status": "text", "reason": "text", "request_id": "integer",
+    "cost": {"J": "real", "time_s": "real", "impulse_Ns": "real"},
+    "choice": {"beam_contact": "integer", "attach_height_m": "real", "ring_angle_rad": "real", "candidates": "integer"},
+    "candidates": ["any", {"beam_contact": "integer", "attach_height_m": "real", "ring_angle_rad": "real", "reason": "text",
+                           "time_s": "real", "impulse_Ns": "real", "J": "real"}],
+    "phases": ["any", {"name": "text", "time_s": "real", "impulse_Ns": "real"}],
+    "legs": ["any", {"phase": "text", "kind": "text", "ramp": "text", "t_start_s": "real", "duration_s": "real",
+                     "impulse_Ns": "real", "peak_speed": "real", "pose_start": POSE_S, "pose_end": POSE_S}],
+    "timeline": {"segments": ["any", {"t_s": "real", "duration_s": "real", "u_start_N": U6, "u_end_N": U6,
+                                      "leg": "integer"}]},
+    "events": ["any", {"t_s": "real", "kind": "text"}],
+    "final": {"vehicle": POSE_S, "beam": POSE_B},
+    "scenario_hash": "text", "plan_hash": "text",
+    "scenario": {
+        "request_id": "integer", "epoch_us": "integer",
+        "vehicle": BODY | {"radius_m": "real", "force_max_N": "real", "thrusters": ["any", {"p_ST_m": V3, "n_T_S": V3}]},
+        "beam": BODY | {"radius_m": "real", "length_m": "real", "drag_strip_kg_m2": "real"},
+        "X_IS": POSE_S, "X_IB": POSE_B, "port": {"p_IP_m": V3, "axis_I": V3}, "contact": "integer", "standoff_m": "real",
+        "weights": {"time": "real", "impulse": "real"}, "attach_heights_m": [], "ring_angle_rad": "null", "method": "text",
+    },
+}
+
+
+class PlanJsonTest(InFolder):
+    @classmethod
+    def setUpClass(cls):
+        cls.plans = {path.stem: json.loads(ssv("plan", path, "--format", "json").stdout) for path in SCENARIOS}
+
+    def test_every_scenario_gives_the_documented_keys_and_no_others(self):
+        self.assertEqual(len(self.plans), 5)
+        for name, plan in self.plans.items():
+            with self.subTest(name):
+                expected = json.loads(json.dumps(PLAN_SHAPE))
+                if name == "paper_case":
+                    expected["scenario"]["ring_angle_rad"] = "real"
+                if name == "port2_either":
+                    expected["scenario"]["attach_heights_m"] = [3, "real"]
+                self.assertEqual(shape(plan), expected)
+
+    def test_the_parts_of_a_plan_agree_with_one_another(self):
+        for name, plan in self.plans.items():
+            with self.subTest(name):
+                self.assertEqual((plan["status"], plan["reason"]), ("ok", ""))
+                self.assertEqual([event["kind"] for event in plan["events"]], ["mate", "dock"])
+                self.assertEqual([phase["name"] for phase in plan["phases"]], ["transit", "transfer"])
+                for total in ("time_s", "impulse_Ns"):
+                    of_phases = sum(phase[total] for phase in plan["phases"])
+                    self.assertTrue(math.isclose(of_phases, plan["cost"][total], rel_tol=1e-12), total)
+                self.assertEqual(min(c["J"] for c in plan["candidates"]), plan["cost"]["J"])
+                self.assertAlmostEqual(plan["events"][0]["t_s"], plan["phases"][0]["time_s"], 9)
+                self.assertAlmostEqual(plan["events"][1]["t_s"], plan["cost"]["time_s"], 9)
+                self.assertEqual(plan["legs"][-1]["pose_end"], plan["final"]["vehicle"])
+                for hash_key in ("scenario_hash", "plan_hash"):
+                    self.assertRegex(plan[hash_key], "^[0-9a-f]{16}$")
+
+    def test_the_scenarios_cover_every_port_every_contact_and_a_tie(self):
+        texts = {path.stem: path.read_text() for path in SCENARIOS}
+        for choice in ("port: 1", "port: 2", "port: 3", "contact: 1", "contact: 2", "contact: either"):
+            self.assertTrue(any(f"  {choice}\n" in text for text in texts.values()), choice)
+        self.assertEqual(self.plans["on_axis"]["choice"]["candidates"], 2 * 3 * 16)
+
+    def test_the_hub_gives_the_port_that_its_pose_and_the_model_say(self):
+        # By hand: no turn; half a turn about x (x, -y, -z); a quarter turn about y (z, y, -x).
+        low, high, up = 0.0952500, 0.1649778394209356, 0.3299556788418712
+        for name, expected in [
+            ("port1_contact2", [5 + 2 * low, 3, 0.5 + up]),
+            ("port2_either", [-4 - low, 3 - high, -1 - up]),
+            ("on_axis", [3 + up, 2, -2 * low]),
+        ]:
+            port = self.plans[name]["scenario"]["port"]
+            hub = {"port1_contact2": [5, 3, 0.5], "port2_either": [-4, 3, -1], "on_axis": [3, 2, 0]}[name]
+            for i in range(3):
+                self.assertAlmostEqual(port["p_IP_m"][i], expected[i], 12, name)
+                self.assertAlmostEqual(port["axis_I"][i], (expected[i] - hub[i]) / 0.381, 12, name)
+
+    def test_standoff_defaults_to_the_sum_of_the_radii(self):
+        self.assertAlmostEqual(self.plans["on_axis"]["scenario"]["standoff_m"], 0.3025 + 0.0606, 15)
+
+    def test_the_docked_beam_ends_on_the_port_and_points_into_it(self):
+        for name, plan in self.plans.items():
+            with self.subTest(name):
+                w, x, y, z = plan["final"]["beam"]["q_IB"]
+                z_B = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]
+                outward = -1 if plan["choice"]["beam_contact"] == 1 else 1
+                half_m = plan["scenario"]["beam"]["length_m"] / 2
+                for i in range(3):
+                    contact = plan["final"]["beam"]["p_IB_m"][i] + outward * half_m * z_B[i]
+                    self.assertAlmostEqual(contact, plan["scenario"]["port"]["p_IP_m"][i], 9)
+                    self.assertAlmostEqual(outward * z_B[i], -plan["scenario"]["port"]["axis_I"][i], 9)
+
+    def test_numbers_survive_the_file_bit_for_bit(self):
+        self.assertEqual(self.plans["paper_case"]["scenario"]["ring_angle_rad"], -1.5707963267948966)
+        self.assertEqual(self.plans["paper_case"]["scenario"]["X_IB"]["q_IB"][0], 0.7071067811865476)
+
+    def test_the_table_shows_the_same_plan(self):
+        for path in SCENARIOS:
+            table = ssv("plan", path).stdout
+            plan = self.plans[path.stem]
+            self.assertIn(f"= {plan['cost']['J']:.3f}\n", table)
+            self.assertIn(plan["plan_hash"], table)
+            self.assertEqual(table.count("chosen"), 1)
+            self.assertLessEqual(max(map(len, table.splitlines())), 120)
+
+
+class OutputTest(InFolder):
+    def setUp(self):
+        super().setUp()
+        self.file = self.folder / "plan.json"
+
+    def plan(self, *arguments, path=PAPER_CASE, **options):
+        return ssv("plan", path, "--format", "json", "--output", self.file, *arguments, **options)
+
+    def assert_only(self, *names):
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), sorted(names))
+
+    def test_a_plan_goes_to_the_file_and_nothing_to_standard_output(self):
+        done = self.plan()
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+        self.assertEqual(json.loads(self.file.read_text())["status"], "ok")
+        self.assert_only("plan.json")
+
+    def test_a_file_that_is_replaced_keeps_its_permissions_and_a_link_stays_a_link(self):
+        real = self.folder / "real.json"
+        real.write_text("old")
+        real.chmod(0o640)
+        self.file.symlink_to(real)
+        self.assertEqual(self.plan().returncode, 0)
+        self.assertTrue(self.file.is_symlink())
+        self.assertEqual(real.stat().st_mode & 0o777, 0o640)
+        self.assertEqual(json.loads(real.read_text())["status"], "ok")
+        self.assert_only("plan.json", "real.json")
+
+    def test_a_failed_write_leaves_the_old_file_whole(self):
+        self.file.write_text("old")
+        done = self.plan(preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096)))
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("cannot write", done.stderr)
+        self.assertEqual(self.file.read_text(), "old")
+        self.assert_only("plan.json")
+
+    def test_a_refused_scenario_leaves_no_half_table(self):
+        self.file.write_text("old")
+        done = ssv("plan", self.scenario(("contact: 1", "contact: 9")), "--output", self.file)
+        self.assertEqual(done.returncode, 2)
+        self.assertEqual(self.file.read_text(), "old")
+
+    def test_no_answer_and_ctrl_c_leave_the_old_file(self):
+        self.file.write_text("old")
+        self.assertEqual(self.plan(f"--lcm={SILENT_URL}", "--timeout", "0.2").returncode, 4)
+        command = [BIN / "ssv", "plan", PAPER_CASE, "--output", self.file, f"--lcm={SILENT_URL}", "--timeout", "60"]
+        process = subprocess.Popen(command)
+        listener = lcm.LCM(SILENT_URL)
+        listener.subscribe("SSV_SCENARIO", lambda channel, data: None)
+        self.assertGreater(listener.handle_timeout(30000), 0)  # it has asked, so it waits
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(timeout=30), -signal.SIGINT)
+        self.assertEqual(self.file.read_text(), "old")
+        self.assert_only("plan.json")
+
+    def test_what_cannot_be_written_is_named(self):
+        self.file = self.folder / "no" / "such" / "plan.json"
+        done = self.plan()
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("no/such/plan.json: No such file or directory", done.stderr)
+        self.file = Path("/dev/full")
+        done = self.plan()
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("/dev/full: No space left", done.stderr)
+        with open("/dev/full", "w") as full:
+            done = subprocess.run([BIN / "ssv", "plan", PAPER_CASE], stdout=full, stderr=subprocess.PIPE, timeout=60)
+        self.assertEqual(done.returncode, 1)
+
+    def test_a_device_is_written_to_and_not_replaced(self):
+        self.file = Path("/dev/null")
+        self.assertEqual(self.plan().returncode, 0)
+        self.assertTrue(self.file.is_char_device())
+
+
+class OverLcmTest(InFolder):
+    def ask(self, path, *arguments, url=URL):
+        return ssv("plan", path, f"--lcm={url}", "--format", "json", "--timeout", "20", *arguments)
+
+    def test_the_answer_is_the_one_planned_in_process(self):
+        with Daemon(URL):
+            for path in SCENARIOS:
+                for weights in ("1,0", "0,1", "1,1"):
+                    with self.subTest(f"{path.stem} {weights}"):
+                        done = self.ask(path, "--weights", weights)
+                        self.assertEqual(done.returncode, 0, done)
+                        here = json.loads(ssv("plan", path, "--format", "json", "--weights", weights).stdout)
+                        there = json.loads(done.stdout)
+                        self.assertNotEqual(here["request_id"], there["request_id"])
+                        self.assertEqual(without_stamp(here), without_stamp(there))
+
+    def test_invalid_and_infeasible_come_back_with_the_same_reason_and_exit_code(self):
+        with Daemon(URL):
+            for change in [("standoff_m: 0.3025", "standoff_m: .nan"), ("p_IS_m: [0, 0, 0]", "p_IS_m: [-900, 0, 0]")]:
+                path = self.scenario(change)
+                here = ssv("plan", path, "--format", "json")
+                there = self.ask(path)
+                self.assertEqual(there.returncode, here.returncode)
+                self.assertEqual(json.loads(there.stdout)["reason"], json.loads(here.stdout)["reason"])
+                self.assertEqual(there.stderr, here.stderr)
+
+    def test_a_planner_that_starts_late_still_answers(self):
+        process = subprocess.Popen([BIN / "ssv", "plan", PAPER_CASE, f"--lcm={URL}", "--timeout", "30"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        listener = lcm.LCM(URL)
+        listener.subscribe("SSV_SCENARIO", lambda channel, data: None)
+        self.assertGreater(listener.handle_timeout(30000), 0)
+        with Daemon(URL):
+            process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 0)
+
+    def test_nobody_there_is_told_with_the_address_and_what_to_do(self):
+        start_s = time.monotonic()
+        done = ssv("plan", PAPER_CASE, f"--lcm={SILENT_URL}", "--timeout", "0.5")
+        self.assertEqual(done.returncode, 4)
+        self.assertGreater(time.monotonic() - start_s, 0.5)
+        self.assertEqual(done.stdout, "")
+        self.assertIn(SILENT_URL, done.stderr)
+        self.assertIn("ssv-plannerd", done.stderr)
+
+    def test_lcm_s_own_default_address_is_used_and_named_without_a_url(self):
+        done = ssv("plan", PAPER_CASE, "--lcm", "--timeout", "0.2", env=os.environ | {"LCM_DEFAULT_URL": SILENT_URL})
+        self.assertEqual(done.returncode, 4)
+        self.assertIn(SILENT_URL, done.stderr)
+
+    def test_an_address_that_is_none_is_told(self):
+        done = ssv("plan", PAPER_CASE, "--lcm=nonsense://")
+        self.assertEqual(done.returncode, 4)
+        self.assertIn("nonsense://", done.stderr)
+
+
+class HostileAnswerTest(InFolder):
+    """Whatever comes on SSV_PLAN: what is no plan is passed over, and nothing crashes the asker."""
+
+    REQUEST_ID_AT = slice(24, 32)  # after the fingerprint and four counts; in a scenario right after the fingerprint
+
+    @classmethod
+    def setUpClass(cls):
+        bus = lcm.LCM(URL)
+        heard = []
+        bus.subscribe("SSV_PLAN", lambda channel, data: heard.append(data))
+        with Daemon(URL):
+            done = ssv("plan", PAPER_CASE, f"--lcm={URL}", "--timeout", "20")
+            if done.returncode != 0 or bus.handle_timeout(20000) <= 0:
+                raise AssertionError(done)
+        cls.good = heard[0]
+
+    def ask_with_answers(self, answers):
+        """Runs ssv against a stand-in planner that answers every question with all of these, its request id put in."""
+        bus = lcm.LCM(URL)
+        stop = threading.Event()
+
+        def reply(channel, data):
+            for answer in answers:
+                answer = bytearray(answer)
+                answer[self.REQUEST_ID_AT] = data[8:16]
+                bus.publish("SSV_PLAN", bytes(answer))
+
+        bus.subscribe("SSV_SCENARIO", reply)
+
+        def serve():
+            while not stop.is_set():
+                bus.handle_timeout(50)
+
+        thread = threading.Thread(target=serve)
+        thread.start()
+        try:
+            return ssv("plan", PAPER_CASE, f"--lcm={URL}", "--timeout", "1", "--format", "json")
+        finally:
+            stop.set()
+            thread.join()
+
+    def test_messages_that_are_no_plan_are_passed_over(self):
+        def patched(at, data):
+            return self.good[:at] + data + self.good[at + len(data):]
+
+        foreign = [
+            b"\0" * 32,
+            patched(0, b"\1" * 8),
+            patched(8, b"\x7f\xff\xff\xff"),  # more candidates than memory
+            patched(12, b"\xff\xff\xff\xff"),  # fewer than no legs
+            patched(57, b"\0\0\0\0"),  # a reason without even its terminator
+            patched(57, b"\x7f\xff\xff\xff"),  # a reason longer than the message
+            patched(61, b"X"),  # a reason without its terminator
+            *(self.good[:length] for length in range(32, len(self.good), 97)),
+        ]
+        done = self.ask_with_answers(foreign)
+        self.assertEqual(done.returncode, 4, done)
+        self.assertIn("another version", done.stderr)
+        done = self.ask_with_answers(foreign[:8] + [self.good])
+        self.assertEqual(done.returncode, 0, done)
+
+    def test_a_damaged_plan_does_not_crash_the_asker(self):
+        seed = 20240607
+        chance = random.Random(seed)
+        for case in range(40):
+            damaged = bytearray(self.good)
+            for _ in range(chance.choice([1, 4, 64])):
+                damaged[chance.randrange(32, len(damaged))] = chance.randrange(256)
+            with self.subTest(f"seed {seed} case {case}"):
+                self.assertIn(self.ask_with_answers([damaged]).returncode, (0, 1, 2, 3, 4))
+
+
+if __name__ == "__main__":
+    unittest.main()
