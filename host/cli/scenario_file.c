@@ -247,11 +247,11 @@ static bool error_is_set(const error_t* error) { return error->text[0] != '\0'; 
 bool number_parse(const char* text, double* value) {
     const char* const sign_end = text + (*text == '-' || *text == '+');
     if (strcmp(text, ".nan") == 0 || strcmp(text, ".NaN") == 0 || strcmp(text, ".NAN") == 0) {
-        *value = NAN;
+        *value = (double)NAN;
         return true;
     }
     if (strcmp(sign_end, ".inf") == 0 || strcmp(sign_end, ".Inf") == 0 || strcmp(sign_end, ".INF") == 0) {
-        *value = *text == '-' ? -INFINITY : INFINITY;
+        *value = *text == '-' ? -(double)INFINITY : (double)INFINITY;
         return true;
     }
     if (*text == '\0' || text[strspn(text, "0123456789.eE+-")] != '\0') {

@@ -58,7 +58,7 @@ static void test_vehicle_on_the_beams_axis_takes_the_cheapest_of_sixteen_sides(v
     TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
     TEST_ASSERT_TRUE(plan.num_priced >= 3 * SSV_NUM_RING_ANGLES);
     s.ring_angle_given = true;
-    double least = INFINITY;
+    double least = (double)INFINITY;
     for (int k = 0; k < SSV_NUM_RING_ANGLES; k++) {
         s.ring_angle_rad = 2 * REAL_PI * k / SSV_NUM_RING_ANGLES;
         TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &other));

@@ -24,13 +24,13 @@ typedef struct {
 static const bad_t bad[] = {
     {AT(vehicle.body.mass_kg), 0, SSV_E_RANGE, "vehicle.mass_kg", -1},
     {AT(vehicle.body.mass_kg), -1, SSV_E_RANGE, "vehicle.mass_kg", -1},
-    {AT(vehicle.body.mass_kg), NAN, SSV_E_NOT_FINITE, "vehicle.mass_kg", -1},
-    {AT(vehicle.body.mass_kg), INFINITY, SSV_E_NOT_FINITE, "vehicle.mass_kg", -1},
+    {AT(vehicle.body.mass_kg), (double)NAN, SSV_E_NOT_FINITE, "vehicle.mass_kg", -1},
+    {AT(vehicle.body.mass_kg), (double)INFINITY, SSV_E_NOT_FINITE, "vehicle.mass_kg", -1},
     {AT(vehicle.body.inertia_kg_m2.y), 0, SSV_E_RANGE, "vehicle.inertia_kg_m2", -1},
     {AT(vehicle.body.added_mass_kg.z), -1, SSV_E_RANGE, "vehicle.added_mass_kg", -1},
     {AT(vehicle.body.drag_lin_kg_s), -1, SSV_E_RANGE, "vehicle.drag_lin_kg_s", -1},
     {AT(vehicle.body.drag_quad_kg_m), 1e6, SSV_E_RANGE, "vehicle.drag_quad_kg_m", -1},
-    {AT(vehicle.body.drag_lin_ang_Nm_s), NAN, SSV_E_NOT_FINITE, "vehicle.drag_lin_ang_Nm_s", -1},
+    {AT(vehicle.body.drag_lin_ang_Nm_s), (double)NAN, SSV_E_NOT_FINITE, "vehicle.drag_lin_ang_Nm_s", -1},
     {AT(vehicle.body.drag_quad_ang_Nm_s2), -2, SSV_E_RANGE, "vehicle.drag_quad_ang_Nm_s2", -1},
     {AT(vehicle.radius_m), 0, SSV_E_RANGE, "vehicle.radius_m", -1},
     {AT(vehicle.force_max_N), 0, SSV_E_RANGE, "vehicle.force_max_N", -1},
@@ -45,8 +45,8 @@ static const bad_t bad[] = {
     {AT(X_IS.p.x), -1001, SSV_E_RANGE, "vehicle.p_IS_m", -1},
     {AT(X_IS.q.z), 0, SSV_E_NOT_UNIT, "vehicle.q_IS", -1}, // the only component: a zero quaternion
     {AT(X_IS.q.z), 1.002, SSV_E_NOT_UNIT, "vehicle.q_IS", -1},
-    {AT(X_IB.p.z), INFINITY, SSV_E_NOT_FINITE, "beam.p_IB_m", -1},
-    {AT(X_IB.q.w), NAN, SSV_E_NOT_FINITE, "beam.q_IB", -1},
+    {AT(X_IB.p.z), (double)INFINITY, SSV_E_NOT_FINITE, "beam.p_IB_m", -1},
+    {AT(X_IB.q.w), (double)NAN, SSV_E_NOT_FINITE, "beam.q_IB", -1},
     {AT(p_IP_m.y), 2000, SSV_E_RANGE, "port.p_IP_m", -1},
     {AT(axis_I.y), 0, SSV_E_NOT_UNIT, "port.axis_I", -1},
     {AT(standoff_m), 0, SSV_E_RANGE, "standoff_m", -1},
@@ -103,7 +103,7 @@ static void test_refused_scenario_leaves_the_problem_untouched(void) {
     ssv_problem_t before;
     memset(&problem, 0x5a, sizeof problem);
     memcpy(&before, &problem, sizeof before);
-    s.axis_I.x = NAN;
+    s.axis_I.x = (double)NAN;
     refuse(&s, SSV_E_NOT_FINITE, "port.axis_I");
     TEST_ASSERT_EQUAL_MEMORY(&before, &problem, sizeof before);
 }
