@@ -28,3 +28,18 @@ def code_of(text):
         token = match[0]
         return token[0] * 2 if token[0] in "\"'" else " " + "\n" * token.count("\n")
     return re.sub(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', blank, text, flags=re.S)
+
+
+def in_a_cycle(edges):
+    """The nodes of a graph {node: {node}} from which a path leads back to themselves."""
+    found = []
+    for start in edges:
+        todo, seen = list(edges[start]), set()
+        while todo:
+            node = todo.pop()
+            if node not in seen:
+                seen.add(node)
+                todo += edges.get(node, ())
+        if start in seen:
+            found.append(start)
+    return sorted(found)

@@ -5,7 +5,7 @@ import shutil
 import tempfile
 import unittest
 
-from core import ROOT, code_of
+from core import ROOT, code_of, in_a_cycle
 
 CORE_API = ("firmware/include/ssv/planner.h", "firmware/include/ssv/real.h", "firmware/include/ssv/vec3.h")
 ANSWER_API = "firmware/include/ssv/answer.h"
@@ -52,63 +52,57 @@ def module_of(path):
     return path.rpartition(".")[0]
 
 
-def cycles(edges):
-    """Modules that reach themselves along edges {module: {module}}."""
-    found = []
-    for start in edges:
-        todo, seen = list(edges[start]), set()
-        while todo:
-            module = todo.pop()
-            if module not in seen:
-                seen.add(module)
-                todo += edges.get(module, ())
-        if start in seen:
-            found.append(start)
-    return found
+def include_breaches(root, path, text, modules):
+    """What is wrong with the includes of one file; adds the modules that it includes to modules[its own]."""
+    folder = folder_of(path)
+    edges = modules.setdefault(module_of(path), set())
+    for mark, name in re.findall(r'(?m)^\s*#\s*include\s*([<"])([^>"]+)[>"]', text):
+        library = next((lib for lib, pattern in LIBRARIES.items() if re.match(pattern, name)), None)
+        target = library if library else resolve(root, path, name) if mark == '"' else None
+        if target is None:
+            if mark == '"':
+                yield f'"{name}" is in no folder that may be included'
+            elif folder == "firmware/planner" and name not in CORE_SYSTEM_HEADERS:
+                yield f"<{name}> is not for the core"
+            elif name == "math.h" and folder == "firmware/include/ssv" and not path.endswith("/real.h"):
+                yield "<math.h> is for real.h alone"
+            continue
+        if target not in MAY_INCLUDE[folder] and folder_of(target) != folder:
+            yield f"must not include {target}"
+        if path in CORE_API and target not in CORE_API:
+            yield f"the core's headers stand by themselves, without {target}"
+        if module_of(target) != module_of(path):
+            edges.add(module_of(target))
+            names = {pathlib.PurePosixPath(file).stem for file in (path, target)}
+            if folder == "firmware/planner" and names <= LEAVES:
+                yield f"{' and '.join(sorted(names))} must not know one another"
 
 
-def violations(root):
+def word_breaches(text):
+    """Words in a file of the core that it must not know."""
+    for number, line in enumerate(code_of(text).splitlines(), 1):
+        for what, pattern in NOT_IN_CORE.items():
+            if match := re.search(pattern, line):
+                yield f"line {number}: {what} in the core: {match[0].strip()}"
+
+
+def breaches(root):
     """Every breach of the rules in the tree at root, one sentence each."""
     found, modules = [], {}
     for file in sorted(file for top in ("firmware", "host", "sim") for file in (root / top).glob("**/*.[ch]")):
-        path = file.relative_to(root).as_posix()
-        folder, text = folder_of(path), file.read_text()
-        if folder is None:
+        path, text = file.relative_to(root).as_posix(), file.read_text()
+        if folder_of(path) is None:
             found.append(f"{path}: in a folder without a rule, see MAY_INCLUDE")
             continue
-        edges = modules.setdefault(module_of(path), set())
-        for mark, name in re.findall(r'(?m)^\s*#\s*include\s*([<"])([^>"]+)[>"]', text):
-            library = next((lib for lib, pattern in LIBRARIES.items() if re.match(pattern, name)), None)
-            target = library if library else resolve(root, path, name) if mark == '"' else None
-            if target is None:
-                if mark == '"':
-                    found.append(f'{path}: "{name}" is in no folder that may be included')
-                elif folder == "firmware/planner" and name not in CORE_SYSTEM_HEADERS:
-                    found.append(f"{path}: <{name}> is not for the core")
-                elif name == "math.h" and folder.startswith("firmware/include") and not path.endswith("/real.h"):
-                    found.append(f"{path}: <math.h> is for real.h alone")
-                continue
-            allowed = MAY_INCLUDE[folder] | {folder}
-            if target not in allowed and folder_of(target) != folder:
-                found.append(f"{path}: must not include {target}")
-            if path in CORE_API and target not in CORE_API:
-                found.append(f"{path}: the core's headers stand by themselves, without {target}")
-            if module_of(target) != module_of(path) and target.endswith(".h"):
-                edges.add(module_of(target))
-            if path.startswith("firmware/planner/") and target.startswith("firmware/planner/"):
-                pair = pathlib.PurePosixPath(path).stem, pathlib.PurePosixPath(target).stem
-                if pair[0] != pair[1] and set(pair) <= LEAVES:
-                    found.append(f"{path}: {pair[0]} and {pair[1]} must not know one another")
-        if folder == "firmware/planner":
-            for number, line in enumerate(code_of(text).splitlines(), 1):
-                found += [f"{path}:{number}: {what} in the core: {match[0].strip()}"
-                          for what, pattern in NOT_IN_CORE.items() if (match := re.search(pattern, line))]
-    return found + [f"{module}: includes itself through other modules" for module in cycles(modules)]
+        found += [f"{path}: {breach}" for breach in include_breaches(root, path, text, modules)]
+        if folder_of(path) == "firmware/planner":
+            found += [f"{path}: {breach}" for breach in word_breaches(text)]
+    return found + [f"{module}: includes itself through other modules" for module in in_a_cycle(modules)]
 
 
 class Layers(unittest.TestCase):
     def test_every_include_points_down_and_the_core_knows_neither_heap_nor_io_nor_middleware(self):
-        self.assertEqual(violations(ROOT), [])
+        self.assertEqual(breaches(ROOT), [])
 
     def test_each_rule_finds_its_planted_breach(self):
         planted = {
@@ -146,7 +140,7 @@ class Layers(unittest.TestCase):
                         shutil.copy(file, copy)
                 with open(tree / path, "a") as file:
                     file.write("\n" + line + "\n")
-                self.assertIn(expected, "\n".join(violations(tree)))
+                self.assertIn(expected, "\n".join(breaches(tree)))
 
     def test_words_in_comments_and_strings_do_not_count(self):
         self.assertEqual(code_of('a /* malloc(1) \n */ b // FILE\n "exit(1)" c').split(), ["a", "b", '""', "c"])

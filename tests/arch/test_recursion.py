@@ -4,7 +4,7 @@ import re
 import tempfile
 import unittest
 
-from core import CORE, core_flags, run
+from core import CORE, core_flags, in_a_cycle, run
 
 
 def call_graph(sources):
@@ -21,17 +21,7 @@ def call_graph(sources):
 
 def loops(edges):
     """Functions that can come to call themselves. A call through a pointer may reach anything, so it counts as one."""
-    found = []
-    for start in edges:
-        todo, seen = list(edges[start]), set()
-        while todo:
-            function = todo.pop()
-            if function not in seen:
-                seen.add(function)
-                todo += edges.get(function, ())
-        if start in seen or "__indirect_call" in edges[start]:
-            found.append(start)
-    return sorted(found)
+    return sorted({*in_a_cycle(edges), *(caller for caller in edges if "__indirect_call" in edges[caller])})
 
 
 class Recursion(unittest.TestCase):
