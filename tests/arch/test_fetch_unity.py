@@ -34,12 +34,14 @@ class SourceOf(unittest.TestCase):
         ])
 
     def test_a_line_keeps_its_mirror_and_its_options(self):
-        text = "# deb http://old.example bookworm main\ndeb [signed-by=/k.gpg trusted=yes] http://m.example/debian bookworm main\n"
+        text = ("# deb http://old.example bookworm main\n"
+                "deb [signed-by=/k.gpg trusted=yes] http://m.example/debian bookworm main\n")
         self.assertEqual(fetch_unity.source_of(text, "bookworm", "trixie"),
                          "deb-src [signed-by=/k.gpg trusted=yes] http://m.example/debian trixie main\n")
 
     def test_a_key_written_out_in_the_stanza_survives(self):
-        text = "Types: deb\nURIs: http://m.example\nSuites: trixie\nComponents: main\nSigned-By:\n -----BEGIN KEY-----\n .\n abc\n"
+        text = ("Types: deb\nURIs: http://m.example\nSuites: trixie\nComponents: main\n"
+                "Signed-By:\n -----BEGIN KEY-----\n .\n abc\n")
         self.assertIn("Signed-By: \n -----BEGIN KEY-----\n .\n abc\n", fetch_unity.source_of(text, "trixie", "trixie"))
 
     def test_disabled_stanzas_other_suites_and_cdroms_do_not_count(self):
