@@ -30,8 +30,11 @@
 #define PENDING_SIZE 256
 /// Scenarios that liblcm holds for us beyond those; when that is full too it drops the newest.
 #define LCM_QUEUE_SIZE 1024
-/// The longest answer: 128 segments of 113 bytes, 16 candidates, 8 legs and a reason make 20.3 kB.
-#define ANSWER_BYTES_MAX 24576
+/// The longest answer, by the sizes of the wire types; a candidate's reason is one of the core's sentences.
+#define CANDIDATE_REASON_MAX 128
+#define ANSWER_BYTES_MAX                                                                                                 \
+    (219 + SSV_REASON_SIZE + 147 * SSV_MAX_LEGS + 113 * SSV_MAX_SEGMENTS + 9 * SSV_MAX_EVENTS +                          \
+     (46 + CANDIDATE_REASON_MAX) * SSV_MAX_CANDIDATES)
 
 enum { EXIT_LCM = 4 };
 
@@ -46,7 +49,7 @@ typedef struct {
     bool valid;
 } pending_t;
 
-/// Everything the daemon knows: some 7 MB, static, so that no message makes it allocate.
+/// Everything the daemon knows: some 6 MB, static, so that no message makes it allocate.
 typedef struct {
     lcm_t* lcm;
     lcm_subscription_t* subscription;
@@ -125,10 +128,11 @@ static void on_scenario(const lcm_recv_buf_t* datagram, const char* channel, voi
     self->pending_count++;
 }
 
-/// Moves what liblcm holds into our ring, as far as it goes. @return false when the transport is gone.
+/// Moves what liblcm holds into our ring. Bounded also where nothing stays in the ring: datagrams that are not scenarios may
+/// come faster than they go. @return false when the transport is gone.
 static bool drain(plannerd_t* self) {
     int handled = 1;
-    while (self->pending_count < PENDING_SIZE && handled > 0) {
+    for (int i = 0; i < LCM_QUEUE_SIZE && self->pending_count < PENDING_SIZE && handled > 0; i++) {
         handled = lcm_handle_timeout(self->lcm, 0);
     }
     return handled >= 0;
