@@ -45,9 +45,9 @@ static bool skip_string(const uint8_t* data, size_t size, size_t* at) {
     return true;
 }
 
-/// Whether the datagram is a plan_t that can be decoded: the generated decoder allocates what the counts and the string
-/// lengths say, and does not look for the strings' terminators. Offsets follow plan_t.lcm and candidate_t.lcm; the
-/// fingerprint vouches for them.
+/// Whether the datagram is a plan_t through and through: the generated decoder allocates what the counts and the string
+/// lengths say, does not look for the strings' terminators, and forgets what it allocated when the datagram ends early.
+/// Offsets follow plan_t.lcm and candidate_t.lcm; the fingerprint vouches for them.
 static bool plan_is_decodable(const uint8_t* data, size_t size) {
     static const uint32_t count_max[4] = {SSV_MAX_CANDIDATES, SSV_MAX_LEGS, SSV_MAX_SEGMENTS, SSV_MAX_EVENTS};
     const size_t reason_at = 8 + 4 * 4 + 4 * 8 + 1;
@@ -71,7 +71,12 @@ static bool plan_is_decodable(const uint8_t* data, size_t size) {
         }
         at += 3 * 8;
     }
-    return true;
+    // What follows has no strings. encoded_size counts the fingerprint, which parts of a message do not have.
+    at += read_u32(data + 12) * ((size_t)lcm_ssv_leg_t_encoded_size(&(lcm_ssv_leg_t){0}) - 8);
+    at += read_u32(data + 16) * ((size_t)lcm_ssv_segment_t_encoded_size(&(lcm_ssv_segment_t){0}) - 8);
+    at += read_u32(data + 20) * ((size_t)lcm_ssv_event_t_encoded_size(&(lcm_ssv_event_t){0}) - 8);
+    at += 2 * ((size_t)lcm_ssv_pose_t_encoded_size(&(lcm_ssv_pose_t){0}) - 8);
+    return at == size;
 }
 
 static void plan_received(const lcm_recv_buf_t* datagram, const char* channel, void* context) {
