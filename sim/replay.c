@@ -28,7 +28,8 @@ static double turn_rad(const rb_pose_t* X_a, const rb_pose_t* X_b) {
 
 static replay_arrival_t arrival_at_mate(const plan_file_t* plan, const rb_state_t* vehicle) {
     const double phi = plan->ring_angle_rad, ahead_S[3] = {1, 0, 0};
-    const rb_pose_t place = {{plan->standoff_m * cos(phi), plan->standoff_m * sin(phi), plan->attach_height_m}, {1, 0, 0, 0}};
+    const double radius_m = plan->standoff_m;
+    const rb_pose_t place = {{radius_m * cos(phi), radius_m * sin(phi), plan->attach_height_m}, {1, 0, 0, 0}};
     const double inward_B[3] = {-cos(phi), -sin(phi), 0};
     const rb_pose_t ideal = rb_compose(&plan->X_IB, &place);
     double ahead_I[3], inward_I[3];

@@ -286,7 +286,8 @@ static void add_scaled(rb_state_t* state, double dt_s, const rb_state_t* rate) {
     for (int i = 0; i < 6; i++) {
         state->nu[i] += dt_s * rate->nu[i];
     }
-    // Off the unit sphere R(q) would scale velocities. Projecting every trial is a right-hand side that takes q/|q|: same order.
+    // Off the unit sphere R(q) would scale velocities. Projecting every trial amounts to a right-hand side that takes q/|q|,
+    // so the order stays.
     normalise(state->eta.q);
 }
 

@@ -1,16 +1,17 @@
-/// Rigid bodies in still water, in six degrees of freedom: the physics that judges plans, written from Newton, Kirchhoff and
-/// strip theory and from nothing of the planner. Fossen's symbols (Handbook of Marine Craft Hydrodynamics and Motion Control).
+/// Rigid bodies in still water, in six degrees of freedom: the physics that judges plans, written from Newton, Kirchhoff
+/// and strip theory and from nothing of the planner. Symbols of Fossen, Handbook of Marine Craft Hydrodynamics and Motion
+/// Control.
 ///
 /// Frames: {n} is inertial (I elsewhere); {b} is fixed in the craft, origin at the centre of mass of its first body, the
 /// vehicle (S elsewhere). eta = (p, q) is the pose of {b} in {n}, nu = [v; w] the velocity of {b}'s origin and the turning
-/// rate, in axes of {b}; tau = [force; moment about {b}'s origin], in axes of {b}. SI units. Quaternions are scalar first and
-/// take coordinates in {b} to coordinates in {n}.
+/// rate, in axes of {b}; tau = [force; moment about {b}'s origin], in axes of {b}. SI units. Quaternions are scalar first
+/// and take coordinates in {b} to coordinates in {n}.
 ///
 ///     M nu' + C(nu) nu + D(nu) nu = tau,    as Kirchhoff wrote it: with momentum [P; H] = M nu,
 ///     P' + w x P = F,    H' + w x H + v x P = M
 ///
-/// All bodies are neutrally buoyant: weight and buoyancy cancel. Nothing here allocates or fails; inputs are checked by whoever
-/// reads them (masses and inertias positive, drag not negative, quaternions unit).
+/// All bodies are neutrally buoyant: weight and buoyancy cancel. Nothing here allocates or fails; inputs are checked by
+/// whoever reads them (masses and inertias positive, drag not negative, quaternions unit).
 #ifndef SIM_RIGID_BODY_H
 #define SIM_RIGID_BODY_H
 
@@ -23,7 +24,7 @@ typedef struct {
     double drag_quad_kg_m;
     double drag_lin_ang_Nm_s;     ///< moment -(drag_lin_ang + drag_quad_ang |w|) w
     double drag_quad_ang_Nm_s2;
-    double strip_kg_m2;           ///< [N/(m/s)2 per m] each metre of tube, along z, feels -strip |v| v of its own velocity across z
+    double strip_kg_m2;           ///< [N/(m/s)2 per m] each metre of a tube along z feels -strip |v| v, v across z
     double length_m;              ///< of that tube, centred; unused when strip_kg_m2 is 0
 } rb_body_t;
 

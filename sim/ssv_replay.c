@@ -26,7 +26,7 @@ static const char DOC[] =
     "  2   the plan file is absent, unreadable or invalid, or its status is not ok\n"
     "  3   a figure is outside its tolerance\n"
     "  64  wrong usage\n"
-    "  1   anything else, e.g. the output cannot be written";
+    "  1   anything else: no integration step is fine enough, the output cannot be written";
 
 static const struct argp_option OPTIONS[] = {
     {"format", 'f', "table|json", 0, "table for people (default) or JSON for scripts", 0},
@@ -107,7 +107,8 @@ static bool print_table(const plan_file_t* plan, const replay_flight_t* flight, 
                figure[i].limit, row[i].unit, within(&figure[i]) && within(&figure[ARRIVAL_FIGURES + i]) ? "" : " OUTSIDE");
     }
     printf("\n  %-16s %12s %12s %12s\n", "", "flown", "planned", "difference");
-    printf("  %-16s %12.9f %12s %12s of F_MAX%s\n", "largest thrust", thrust->value, "<= 1", "", within(thrust) ? "" : " OUTSIDE");
+    printf("  %-16s %12.9f %12s %12s of F_MAX%s\n", "largest thrust", thrust->value, "<= 1", "",
+           within(thrust) ? "" : " OUTSIDE");
     printf("  %-16s %12.4f %12.4f %11.4f%% N s%s\n", "impulse", flight->impulse_Ns, plan->impulse_Ns, impulse->value,
            within(impulse) ? "" : " OUTSIDE, limit 0.5 %");
     printf("  %-16s %12.6f %12.6f %9.3g us s%s\n", "time", flight->time_s, plan->time_s, time->value,
@@ -124,7 +125,8 @@ static bool print_json(const plan_file_t* plan, const replay_flight_t* flight, c
                              "mate", "dock", "thrust",
                              "impulse", "flown_Ns", flight->impulse_Ns, "planned_Ns", plan->impulse_Ns,
                              "time", "flown_s", flight->time_s, "planned_s", plan->time_s,
-                             "integration", "step_s", step_s, "halving_moved_m", halving_m, "halving_turned_rad", halving_rad);
+                             "integration", "step_s", step_s, "halving_moved_m", halving_m,
+                             "halving_turned_rad", halving_rad);
     for (size_t i = 0; i < NUM_FIGURES; i++) {
         json_object_set_new(json_object_get(root, figure[i].group), figure[i].name, json_real(figure[i].value));
         if (!within(&figure[i])) {
@@ -153,8 +155,10 @@ int main(int argc, char** argv) {
     double step_s, halving_m, halving_rad;
     const bool converged = replay_fly_converged(&plan, &flight, &step_s, &halving_m, &halving_rad);
     if (!converged) {
-        fprintf(stderr, "ssv-replay: %s: halving the integration step to %g s still moves the end of the flight by %g m; "
-                        "the craft's time constants are too short for this physics\n", arguments.plan, step_s, halving_m);
+        fprintf(stderr,
+                "ssv-replay: %s: halving the integration step to %g s still moves the end of the flight by %g m; the "
+                "craft's time constants are too short, or its motion too unstable, for this physics\n",
+                arguments.plan, step_s, halving_m);
         plan_file_free(&plan);
         return EXIT_OTHER;
     }

@@ -1,7 +1,8 @@
 """ssv-replay flies plans in physics of its own and judges them against the task.
 
-The hand-made plan below is exact without any solver: when speed runs on straight lines in time, linear drag needs thrust on
-straight lines in time, which is what a segment holds. So its errors must vanish, and a known change must show as known errors.
+The hand-made plan below is exact without any solver: when speed runs on straight lines in time, linear drag needs thrust
+on straight lines in time, which is what a segment holds. So its errors must vanish, and a known change must show as known
+errors.
 """
 import copy
 import json
@@ -29,7 +30,7 @@ def body(mass_kg, inertia_kg_m2, lin=0.0, lin_ang=0.0):
 
 
 def triangle(length, inertia, drag, push_per_thruster, duration_s):
-    """Two segments of thrust for a speed that rises and falls on straight lines: (duration, thrust at start, at end) each."""
+    """Two segments for a speed that rises and falls on straight lines: (duration, thrust at start, thrust at end) each."""
     half_s = duration_s / 2
     rate = length / half_s ** 2
     return [(half_s, inertia * rate / push_per_thruster, (inertia * rate + drag * rate * half_s) / push_per_thruster),
@@ -46,7 +47,8 @@ def hand_made_plan():
     segments, t_s, impulse_Ns = [], 0.0, 0.0
     for leg, pieces in enumerate([turn, transit, transfer]):
         for duration_s, start, end in pieces:
-            segments.append({"t_s": t_s, "duration_s": duration_s, "u_start_N": list(start), "u_end_N": list(end), "leg": leg})
+            segments.append({"t_s": t_s, "duration_s": duration_s, "leg": leg,
+                             "u_start_N": list(start), "u_end_N": list(end)})
             t_s += duration_s
             for a, b in zip(start, end):
                 crossing = a / (a - b) if a * b < 0 else None
@@ -123,7 +125,8 @@ class HandMadePlan(unittest.TestCase):
                 (("scenario", "X_IB", "p_IB_m", 2), lambda z: z + 0.006, "mate", "position_error_mm", 6.0, 3),
                 (("scenario", "standoff_m"), STANDOFF_M + 0.004, "mate", "position_error_mm", 4.0, 0),
                 # a port that looks elsewhere, by a known angle
-                (("scenario", "port", "axis_I"), [0.0, math.sin(tilt), -math.cos(tilt)], "dock", "pointing_error_deg", 0.4, 0),
+                (("scenario", "port", "axis_I"), [0.0, math.sin(tilt), -math.cos(tilt)], "dock",
+                 "pointing_error_deg", 0.4, 0),
                 (("scenario", "port", "axis_I"), [0.0, math.sin(1.5 * tilt), -math.cos(1.5 * tilt)], "dock",
                  "pointing_error_deg", 0.6, 3),
                 (("choice", "ring_angle_rad"), math.pi - 2 * tilt, "mate", "pointing_error_deg", 0.8, 3),
@@ -176,8 +179,10 @@ class HandMadePlan(unittest.TestCase):
         q = [0.1, -0.5, 0.5, 0.7]  # of length 1
 
         def product(a, b):
-            return [a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-                    a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1], a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]]
+            return [a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+                    a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+                    a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+                    a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]]
 
         def rotate(v):
             return product(product(q, [0.0, *v]), [q[0], -q[1], -q[2], -q[3]])[1:]

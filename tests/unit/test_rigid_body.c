@@ -27,7 +27,8 @@ static rb_body_t lopsided_body(void) {
 }
 
 static rb_body_t tube(double strip_kg_m2) {
-    const rb_body_t body = {.mass_kg = 11.3636, .inertia_kg_m2 = {8.81, 8.81, 0.0376}, .strip_kg_m2 = strip_kg_m2, .length_m = 3.048};
+    const rb_body_t body = {
+        .mass_kg = 11.3636, .inertia_kg_m2 = {8.81, 8.81, 0.0376}, .strip_kg_m2 = strip_kg_m2, .length_m = 3.048};
     return body;
 }
 
