@@ -11,7 +11,8 @@
 #define TERMINAL_MARGIN REAL(5.9604644775390625e-8)
 // Two laws closer than this fraction of their size are one law: the rest is rounding.
 #define SAME_LAW REAL(1e-11)
-// A knot is looked at this fraction of the top speed beyond it, where laws that cross there have parted.
+// The next knot lies at least this fraction of the top speed beyond the last; a law found out of place in between is so by
+// rounding only.
 #define PROBE REAL(9.3132257461547852e-10)
 // A stretch over which dv/dt changes less than this factor is integrated by quadrature: there the closed forms cancel.
 #define SHORT_RATIO REAL(1.3)
@@ -175,6 +176,8 @@ typedef enum { SPEED_UP, BRAKE, COAST } policy_t;
 // no thrust.
 typedef struct {
     const ssv_thrusts_t* thrusts;
+    real_t top;   // speeds go up to here
+    real_t total; // sum of |accel|
     bool acts[N];
     real_t up[N][3], brake[N][3], idle[N][3];
 } laws_t;
@@ -183,11 +186,13 @@ static bool laws_init(const ssv_thrusts_t* thrusts, laws_t* laws) {
     real_t largest = REAL(0);
     for (int i = 0; i < N; i++) largest = real_max(largest, real_abs(thrusts->accel[i]));
     laws->thrusts = thrusts;
+    laws->top = laws->total = REAL(0);
     for (int i = 0; i < N; i++) {
         const real_t A = thrusts->accel[i];
         laws->acts[i] = real_abs(A) > real_mul(SAME_LAW, largest);
         if (!laws->acts[i]) continue;
         const real_t limit = real_div(thrusts->force_max_N, real_abs(A));
+        laws->total += real_abs(A);
         laws->idle[i][0] = REAL(0);
         laws->idle[i][1] = -real_div(thrusts->linear[i], A);
         laws->idle[i][2] = -real_div(thrusts->quadratic[i], A);
@@ -199,58 +204,58 @@ static bool laws_init(const ssv_thrusts_t* thrusts, laws_t* laws) {
     return largest > REAL(0);
 }
 
-// The tightest limit at speed v.
+static real_t size_at(const real_t c[3], real_t v) {
+    return real_abs(c[0]) + real_mul(v, real_abs(c[1]) + real_mul(v, real_abs(c[2])));
+}
+
+// Sign of a - b just beyond speed v: by value, then slope, then curvature, each only if it is more than rounding. Laws of
+// thrusters that mirror each other often agree at v and part later.
+static int compare(const laws_t* laws, const real_t a[3], const real_t b[3], real_t v) {
+    const real_t top = laws->top, noise = real_mul(SAME_LAW, size_at(a, top) + size_at(b, top));
+    const real_t d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    const real_t curve = real_mul(d[2], real_sq(top));
+    const real_t slope = real_mul(top, d[1] + real_mul(REAL(2), real_mul(d[2], v)));
+    const real_t value = quadratic_at(d, v);
+    const real_t first = real_abs(value) > noise ? value : real_abs(slope) > noise ? slope : curve;
+    return real_abs(first) <= noise ? 0 : first > REAL(0) ? 1 : -1;
+}
+
+// The tightest limit just beyond speed v.
 static const real_t* limit_at(const laws_t* laws, bool up, real_t v) {
     const real_t* best = NULL;
-    real_t best_a = REAL(0);
     for (int i = 0; i < N; i++) {
         if (!laws->acts[i]) continue;
         const real_t* law = up ? laws->up[i] : laws->brake[i];
-        const real_t a = quadratic_at(law, v);
-        if (best == NULL || (up ? a < best_a : a > best_a)) {
-            best = law;
-            best_a = a;
-        }
+        if (best == NULL || (up ? compare(laws, law, best, v) < 0 : compare(laws, law, best, v) > 0)) best = law;
     }
     return best;
+}
+
+// Total height of the kinks at or below a law just beyond speed v.
+static real_t kinks_below(const laws_t* laws, const real_t law[3], real_t v) {
+    real_t sum = REAL(0);
+    for (int i = 0; i < N; i++) {
+        if (laws->acts[i] && compare(laws, laws->idle[i], law, v) <= 0) sum += real_abs(laws->thrusts->accel[i]);
+    }
+    return sum;
 }
 
 // Least sum of |u_i|: that sum is convex and piecewise linear in a with a kink of height |accel_i| where u_i = 0, so the
 // minimum is the weighted median of the kinks. Of equal ones the stronger braking is taken.
 static const real_t* coast_at(const laws_t* laws, real_t v) {
-    const real_t* brake = limit_at(laws, false, v);
-    const real_t brake_a = quadratic_at(brake, v);
-    real_t total = REAL(0), below_brake = REAL(0);
+    const real_t half = real_mul(REAL(0.5) - SAME_LAW, laws->total);
+    const real_t* best = limit_at(laws, false, v);
+    if (kinks_below(laws, best, v) >= half) return best;
+    best = NULL;
     for (int i = 0; i < N; i++) {
-        if (!laws->acts[i]) continue;
-        total += real_abs(laws->thrusts->accel[i]);
-        if (quadratic_at(laws->idle[i], v) <= brake_a) below_brake += real_abs(laws->thrusts->accel[i]);
-    }
-    const real_t half = real_mul(REAL(0.5) - SAME_LAW, total);
-    if (below_brake >= half) return brake;
-    const real_t* best = NULL;
-    real_t best_a = REAL(0);
-    for (int i = 0; i < N; i++) {
-        if (!laws->acts[i]) continue;
-        const real_t a = quadratic_at(laws->idle[i], v);
-        real_t below = REAL(0);
-        for (int j = 0; j < N; j++) {
-            if (laws->acts[j] && quadratic_at(laws->idle[j], v) <= a) below += real_abs(laws->thrusts->accel[j]);
-        }
-        if (below >= half && (best == NULL || a < best_a)) {
-            best = laws->idle[i];
-            best_a = a;
-        }
+        if (!laws->acts[i] || kinks_below(laws, laws->idle[i], v) < half) continue;
+        if (best == NULL || compare(laws, laws->idle[i], best, v) < 0) best = laws->idle[i];
     }
     return best;
 }
 
 static const real_t* law_at(const laws_t* laws, policy_t policy, real_t v) {
     return policy == COAST ? coast_at(laws, v) : limit_at(laws, policy == SPEED_UP, v);
-}
-
-static real_t size_at(const real_t c[3], real_t v) {
-    return real_abs(c[0]) + real_mul(v, real_abs(c[1]) + real_mul(v, real_abs(c[2])));
 }
 
 // First speed in (from, to) at which another law may take over from this one.
@@ -280,10 +285,10 @@ typedef struct {
 
 // Extends the ramp to speed top under one policy.
 static bool ramp_extend(const laws_t* laws, policy_t policy, real_t top, ramp_table_t* ramp) {
-    const real_t probe = real_mul(PROBE, top);
+    const real_t probe = real_mul(PROBE, laws->top);
     real_t v = ramp->v[ramp->num];
     for (int n = 0; n < MAX_KNOTS && v < top; n++) {
-        const real_t* law = law_at(laws, policy, real_min(v + probe, top));
+        const real_t* law = law_at(laws, policy, v);
         const real_t next = next_crossing(laws, policy, law, v + probe, top);
         if (ramp->num > 0 && ramp->law[ramp->num - 1] == law) {
             ramp->num--;
@@ -428,6 +433,7 @@ ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, ssv_ramp_t ramp, r
     ramp_table_t up, slow;
     if (!laws_init(thrusts, &laws)) return SSV_NO_AUTHORITY;
     real_t top = top_speed(&laws, distance);
+    laws.top = top;
     up.num = slow.num = 0;
     up.v[0] = slow.v[0] = REAL(0);
     const real_t reverse_from = ramp == SSV_DRAG_ONLY ? real_min(cutoff, top) : top;

@@ -71,12 +71,13 @@ ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_
         ssv_segment_t* segment = &plan->segment[plan->num_segments++];
         const real_t left = piece->duration_s - t;
         h = real_min(real_mul(REAL(4), h), left);
-        // The error of a line grows with the square of its length.
-        for (int n = 0; n < MAX_TRIALS; n++) {
-            const real_t error = fit_all(thrusts, piece, t, h, segment);
-            if (error <= tolerance) break;
+        real_t error = fit_all(thrusts, piece, t, h, segment);
+        for (int n = 0; n < MAX_TRIALS && error > tolerance; n++) {
+            // The error of a line grows with the square of its length.
             h = real_mul(h, real_max(REAL(0.1), real_mul(REAL(0.95), real_sqrt(real_div(tolerance, error)))));
+            error = fit_all(thrusts, piece, t, h, segment);
         }
+        if (error > tolerance) return SSV_TOO_MANY_SEGMENTS;
         segment->t_s = t_s + t;
         segment->duration_s = h;
         segment->leg = leg;

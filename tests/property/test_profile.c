@@ -28,6 +28,11 @@ static ssv_thrusts_t random_thrusts(void) {
         t.quadratic[i] =
             task_below(10) < 7 ? t.accel[i] * quadratic * task_between(0, 1) : 0.3 * size * quadratic * task_between(-1, 1);
     }
+    // Thrusters that mirror each other agree but for rounding, and part only with the square of the speed.
+    if (task_below(3) == 0) {
+        t.accel[1] = t.accel[0];
+        t.linear[1] = t.linear[0] * (1 + task_between(-4e-16, 4e-16));
+    }
     t.force_max_N = 6;
     return t;
 }
