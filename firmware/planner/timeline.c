@@ -6,6 +6,9 @@
 #define MAX_TRIALS 24
 #define NUM_CHECKS 5
 
+// Error over force_max times the square of the segment's length [s2]: how far the error could carry the body. A weak thrust
+// over a long coast passes the tolerance as almost any line and would be lost; this bound keeps it. For the SSV it is 8 um.
+#define DRIFT_MAX REAL(1e-4)
 // Errors are looked at in NUM_CHECKS places only; between them they may be this much larger.
 #define CHECK_MARGIN REAL(0.9)
 
@@ -71,13 +74,17 @@ ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_
         ssv_segment_t* segment = &plan->segment[plan->num_segments++];
         const real_t left = piece->duration_s - t;
         h = real_min(real_mul(REAL(4), h), left);
-        real_t error = fit_all(thrusts, piece, t, h, segment);
-        for (int n = 0; n < MAX_TRIALS && error > tolerance; n++) {
-            // The error of a line grows with the square of its length.
-            h = real_mul(h, real_max(REAL(0.1), real_mul(REAL(0.95), real_sqrt(real_div(tolerance, error)))));
-            error = fit_all(thrusts, piece, t, h, segment);
+        bool fits = false;
+        for (int n = 0; n < MAX_TRIALS; n++) {
+            const real_t error = fit_all(thrusts, piece, t, h, segment);
+            const real_t drift = real_mul(error, real_sq(h));
+            fits = error <= tolerance && drift <= DRIFT_MAX;
+            if (fits) break;
+            // The error of a line grows with the square of its length, the drift with the fourth power.
+            const real_t shrink = real_sqrt(real_min(real_div(tolerance, error), real_sqrt(real_div(DRIFT_MAX, drift))));
+            h = real_mul(h, real_max(REAL(0.1), real_mul(REAL(0.95), shrink)));
         }
-        if (error > tolerance) return SSV_TOO_MANY_SEGMENTS;
+        if (!fits) return SSV_TOO_MANY_SEGMENTS;
         segment->t_s = t_s + t;
         segment->duration_s = h;
         segment->leg = leg;
