@@ -261,7 +261,7 @@ class Answers(DaemonTest):
 
     def test_a_flag_is_true_unless_its_byte_is_zero(self):
         flags = (0, 1, 2, 127, -1, -128)
-        plans = self.start().ask_all([changed(question(i), "options.ring_angle_given", flag) for i, flag in enumerate(flags)])
+        plans = self.start().ask_all([changed(question(i), "options.ring_angle_given", flags[i]) for i in range(len(flags))])
         self.assertEqual([p.status for p in plans], [OK] * len(flags))
         self.assertEqual([p.scenario_hash == plans[1].scenario_hash for p in plans], [False] + [True] * 5)
 
@@ -398,9 +398,12 @@ class Junk(DaemonTest):
         return bytes(data)
 
     def fragment(self, payload):
+        """A piece of one of few messages, so that pieces which contradict one another meet."""
         r = self.random
-        number = lambda bits: r.choice((0, 1, 2, 700, 2**(bits - 1), 2**bits - 1, r.getrandbits(bits)))
-        head = struct.pack(">IIIIHH", FRAGMENT_MAGIC, number(32), number(32), number(32), number(16), number(16))
+        sequence, size = r.randrange(4), r.choice((0, 1, 700, 1024, 2**28, 2**31, 2**32 - 1))
+        offset = r.choice((0, 1, 500, 700, 2**31, 2**32 - 16, 2**32 - 1, r.getrandbits(32)))
+        number, count = r.choice((0, 1, 2, 65535)), r.choice((0, 1, 2, 3, 65535))
+        head = struct.pack(">IIIIHH", FRAGMENT_MAGIC, sequence, size, offset, number, count)
         return head + payload[:r.randrange(len(payload))]
 
     def junk(self, count):
