@@ -25,7 +25,7 @@ static const char doc[] =
     "  ssv plan task.yaml --format json --output plan.json\n"
     "                                       for scripts and ssv-replay\n"
     "  ssv plan task.yaml --lcm             asks a running ssv-plannerd\n"
-    "  ssv plan task.yaml --lcm=udpm://239.255.76.67:7667?ttl=1 --timeout 10\n"
+    "  ssv plan task.yaml --lcm udpm://239.255.76.67:7667?ttl=1 --timeout 10\n"
     "\n"
     "The scenario's model is the name of a file in the models folder (paper, ease) or a path from the scenario file, "
     "mine.yaml or FOLDER/mine.yaml. FILE is replaced in one step when the answer is complete, or left as it was.\n"
@@ -77,6 +77,9 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
     case KEY_LCM:
         arguments->over_lcm = true;
         arguments->lcm_url = argument;
+        if (argument == NULL && state->next < state->argc && strstr(state->argv[state->next], "://") != NULL) {
+            arguments->lcm_url = state->argv[state->next++];  // argp leaves "--lcm URL" without a "=" to us
+        }
         return 0;
     case KEY_WEIGHTS:
         if (!parse_weights(argument, arguments->weights)) {

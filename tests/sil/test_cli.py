@@ -517,6 +517,12 @@ class OverLcmTest(InFolder):
         self.assertIn(SILENT_URL, done.stderr)
         self.assertIn("ssv-plannerd", done.stderr)
 
+    def test_the_address_may_follow_the_option_with_or_without_an_equals_sign_wherever_it_stands(self):
+        for arguments in ([PAPER_CASE, "--lcm", SILENT_URL], ["--lcm", SILENT_URL, PAPER_CASE]):
+            done = ssv("plan", *arguments, "--timeout", "0.2")
+            self.assertEqual(done.returncode, 4)
+            self.assertIn(SILENT_URL, done.stderr)
+
     def test_lcm_s_own_default_address_is_used_and_named_without_a_url(self):
         done = ssv("plan", PAPER_CASE, "--lcm", "--timeout", "0.2", env=os.environ | {"LCM_DEFAULT_URL": SILENT_URL})
         self.assertEqual(done.returncode, 4)
