@@ -5,7 +5,9 @@ import shutil
 import tempfile
 import unittest
 
-from core import CORE, HERE, core_flags, run
+from core import CORE, HERE, ROOT, core_flags, run
+
+SUPPORT = ROOT / "tests/support"
 
 SEED = 20260
 COUNT = 20000 if os.environ.get("SSV_LONG") else 500
@@ -15,8 +17,8 @@ BUILDS = [["gcc", "-O0"], ["gcc", "-O2", "-DNDEBUG"], ["gcc", "-O3", "-march=nat
 def hashes(compiler):
     with tempfile.TemporaryDirectory() as scratch:
         program = pathlib.Path(scratch) / "plan_hashes"
-        run([compiler[0], *core_flags(), *compiler[1:], *sorted(CORE.glob("*.c")), HERE / "plan_hashes.c", "-lm",
-             "-o", program])
+        sources = [*sorted(CORE.glob("*.c")), HERE / "plan_hashes.c", SUPPORT / "tasks.c"]
+        run([compiler[0], *core_flags(), f"-I{SUPPORT}", *compiler[1:], *sources, "-lm", "-o", program])
         return run([program, SEED, COUNT]).splitlines()
 
 
