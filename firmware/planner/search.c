@@ -2,9 +2,10 @@
 
 #define MOVES_PER_PHASE 2
 
-// One phase: its moves, where the vehicle ends, and what that costs.
+// One phase: its moves and what each costs, where the vehicle ends, and what all of it costs.
 typedef struct {
     ssv_move_t move[MOVES_PER_PHASE];
+    ssv_price_t move_price[MOVES_PER_PHASE];
     pose_t X_IS_end;
     ssv_price_t price;
 } phase_t;
@@ -25,8 +26,8 @@ static void price_phase(const ssv_problem_t* problem, const ssv_assembly_t* asse
         ssv_profile_t profile;
         ssv_ramp_t ramp;
         ssv_move_thrusts(problem, assembly, move->twist, &thrusts);
-        const ssv_price_t price = ssv_move_solve(problem, move, &thrusts, &profile, &ramp);
-        add_price(&phase->price, &price);
+        phase->move_price[k] = ssv_move_solve(problem, move, &thrusts, &profile, &ramp);
+        add_price(&phase->price, &phase->move_price[k]);
         phase->X_IS_end = ssv_move_pose(phase->X_IS_end, move->twist, move->length);
     }
 }
@@ -90,8 +91,9 @@ static void price_grasp(const ssv_problem_t* problem, const ssv_grasp_t* grasp, 
     chain->num_moves = 0;
     for (int k = 0; k < MOVES_PER_PHASE; k++) chain->move[chain->num_moves++] = to_beam.move[k];
     for (int k = 0; k < MOVES_PER_PHASE; k++) chain->move[chain->num_moves++] = to_port.move[k];
+    // Move by move, as the plan's legs will be added up: the price quoted is the price of the plan, to the last bit.
     chain->price = to_beam.price;
-    add_price(&chain->price, &to_port.price);
+    for (int k = 0; k < MOVES_PER_PHASE; k++) add_price(&chain->price, &to_port.move_price[k]);
     if (chain->price.outcome == SSV_FEASIBLE && chain->price.time_s > SSV_DURATION_MAX_S) chain->price.outcome = SSV_TOO_LONG;
 }
 

@@ -7,6 +7,7 @@ import subprocess
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 CORE = ROOT / "firmware/planner"
+SUPPORT = ROOT / "tests/support"
 
 
 def core_flags():

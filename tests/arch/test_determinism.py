@@ -5,9 +5,7 @@ import shutil
 import tempfile
 import unittest
 
-from core import CORE, HERE, ROOT, core_flags, run
-
-SUPPORT = ROOT / "tests/support"
+from core import CORE, HERE, SUPPORT, core_flags, run
 
 SEED = 20260
 COUNT = 20000 if os.environ.get("SSV_LONG") else 500

@@ -4,7 +4,7 @@ import pathlib
 import tempfile
 import unittest
 
-from core import HERE, core_flags, run
+from core import HERE, SUPPORT, core_flags, run
 
 BUILD = os.environ["SSV_BUILD_DIR"]
 CLEAN = {"PATH": "/usr/bin:/bin"}
@@ -33,11 +33,12 @@ class Install(unittest.TestCase):
                 self.assertNotIn(BUILD, run(["readelf", "-d", self.prefix / "bin" / program]))
 
     def test_another_project_finds_the_package_and_plans_the_same(self):
-        source = HERE / "plan_hashes.c"
+        sources = [HERE / "plan_hashes.c", SUPPORT / "tasks.c"]
         run(["cmake", "-S", HERE / "consumer", "-B", self.scratch / "consumer", "-G", os.environ["SSV_GENERATOR"],
-             f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DPROGRAM_SOURCE={source}", "-DCMAKE_BUILD_TYPE=Release"])
+             f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DPROGRAM_INCLUDE={SUPPORT}",
+             f"-DPROGRAM_SOURCES={';'.join(map(str, sources))}", "-DCMAKE_BUILD_TYPE=Release"])
         run(["cmake", "--build", self.scratch / "consumer"])
-        run([os.environ["CC"], *core_flags(), source, os.environ["SSV_PLANNER_ARCHIVE"], "-lm",
+        run([os.environ["CC"], *core_flags(), f"-I{SUPPORT}", *sources, os.environ["SSV_PLANNER_ARCHIVE"], "-lm",
              "-o", self.scratch / "direct"])
         seed_and_count = [7, 5]
         self.assertEqual(run([self.scratch / "consumer/consumer", *seed_and_count]),
