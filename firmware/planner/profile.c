@@ -1,9 +1,8 @@
 #include "planner/profile.h"
 
-#include "planner/gauss.h"
+#include "planner/law.h"
 
 #define N SSV_NUM_THRUSTERS
-#define NUM_LAWS (2 * N)
 #define MAX_KNOTS SSV_MAX_PROFILE_PIECES
 #define MAX_NEWTON 60
 
@@ -14,151 +13,15 @@
 // The next knot lies at least this fraction of the top speed beyond the last; a law found out of place in between is so by
 // rounding only.
 #define PROBE REAL(9.3132257461547852e-10)
-// A stretch over which dv/dt changes less than this factor is integrated by quadrature: there the closed forms cancel.
-#define SHORT_RATIO REAL(1.3)
-
-static real_t quadratic_at(const real_t c[3], real_t v) { return c[0] + real_mul(v, c[1] + real_mul(v, c[2])); }
-
-// Smaller and larger root of c0 + c1 x + c2 x^2, without cancellation; false if there is none. A missing second root is far.
-static bool quadratic_roots(const real_t c[3], real_t far, real_t root[2]) {
-    const real_t disc = real_sq(c[1]) - real_mul(REAL(4), real_mul(c[0], c[2]));
-    if (disc < REAL(0)) return false;
-    const real_t q = real_mul(REAL(-0.5), c[1] + (c[1] < REAL(0) ? -real_sqrt(disc) : real_sqrt(disc)));
-    if (q == REAL(0)) {
-        if (c[2] == REAL(0)) return false;
-        root[0] = root[1] = REAL(0);
-        return true;
-    }
-    const real_t a = real_div(c[0], q);
-    const real_t b = real_abs(c[2]) > real_div(real_abs(q), far) ? real_div(q, c[2]) : far;
-    root[0] = real_min(a, b);
-    root[1] = real_max(a, b);
-    return true;
-}
-
-// Smallest root in (from, to), else to.
-static real_t root_after(const real_t c[3], real_t from, real_t to) {
-    real_t root[2];
-    if (!quadratic_roots(c, real_mul(REAL(2), to), root)) return to;
-    if (root[0] > from && root[0] < to) return root[0];
-    if (root[1] > from && root[1] < to) return root[1];
-    return to;
-}
-
-// ---- Integrals of a law over a change of speed --------------------------------------------------------------------------
-
-static bool is_short(const real_t law[3], real_t v_from, real_t v_to) {
-    const real_t a = real_abs(quadratic_at(law, v_from)), b = real_abs(quadratic_at(law, v_to));
-    const real_t m = real_abs(quadratic_at(law, real_mul(REAL(0.5), v_from + v_to)));
-    return real_max(a, real_max(b, m)) < real_mul(SHORT_RATIO, real_min(a, real_min(b, m)));
-}
-
-static ssv_moments_t moments_by_quadrature(const real_t law[3], real_t v_from, real_t v_to) {
-    ssv_moments_t m = {REAL(0), REAL(0), REAL(0)};
-    const real_t mid = real_mul(REAL(0.5), v_from + v_to), half = real_mul(REAL(0.5), v_to - v_from);
-    for (int k = 0; k < GAUSS_NODES; k++) {
-        const real_t v = mid + real_mul(half, gauss_node[k]);
-        const real_t dt = real_div(real_mul(gauss_weight[k], half), quadratic_at(law, v));
-        m.time += dt;
-        m.distance += real_mul(v, dt);
-        m.speed2 += real_mul(real_sq(v), dt);
-    }
-    return m;
-}
-
-// Time from dv/dt = Q(v): with tau = dv / (2 Q_a + Q_a' dv) and d the discriminant, t = 2 atanh(sqrt(d) tau) / sqrt(d), or
-// the arc tangent where d < 0. No case of it cancels: 1 - d tau^2 = 4 Q_a Q_b / (2 Q_a + Q_a' dv)^2 exactly.
-static real_t law_time(const real_t law[3], real_t v_from, real_t v_to) {
-    const real_t dv = v_to - v_from;
-    const real_t Q_a = quadratic_at(law, v_from), Q_b = quadratic_at(law, v_to);
-    const real_t den = real_mul(REAL(2), Q_a) + real_mul(law[1] + real_mul(REAL(2), real_mul(law[2], v_from)), dv);
-    const real_t disc = real_sq(law[1]) - real_mul(REAL(4), real_mul(law[0], law[2]));
-    const real_t root = real_sqrt(real_abs(disc));
-    if (disc < REAL(0)) {
-        const real_t sign = Q_a < REAL(0) ? REAL(-1) : REAL(1);
-        return real_div(real_mul(REAL(2), real_atan2(real_mul(sign, real_mul(root, dv)), real_mul(sign, den))), root);
-    }
-    const real_t x = real_abs(real_div(real_mul(root, dv), den));
-    if (x < REAL(1e-8)) return real_div(real_mul(REAL(2), dv), den);
-    const real_t one_minus_x2 = real_mul(real_mul(REAL(4), real_div(Q_a, den)), real_div(Q_b, den));
-    const real_t t = real_div(real_mul(REAL(2), real_log1p(x)) - real_log1p(one_minus_x2 - REAL(1)), root);
-    return (dv < REAL(0)) == (Q_a < REAL(0)) ? t : -t; // a ramp is measured from rest, also against time
-}
-
-// log(1 + y) / y and its first moment, both smooth at y = 0.
-static real_t log1p_over(real_t y) {
-    return real_abs(y) < REAL(1e-5) ? REAL(1) - real_mul(y, REAL(0.5) - real_div(y, REAL(3))) : real_div(real_log1p(y), y);
-}
-
-static real_t log1p_moment(real_t y) {
-    if (real_abs(y) > REAL(1e-2)) return real_div(REAL(1) - log1p_over(y), y);
-    real_t sum = REAL(0), power = REAL(1); // 1/2 - y/3 + y^2/4 - ...
-    for (int n = 2; n < 10; n++) {
-        sum += real_div(power, real_from_int(n));
-        power = real_mul(power, -y);
-    }
-    return sum;
-}
-
-static ssv_moments_t law_moments(const real_t law[3], real_t v_from, real_t v_to, real_t time) {
-    const real_t dv = v_to - v_from;
-    ssv_moments_t m = {time, real_mul(time, v_from), real_mul(time, real_sq(v_from))};
-    if (dv == REAL(0)) return m;
-    if (is_short(law, v_from, v_to)) {
-        m = moments_by_quadrature(law, v_from, v_to);
-        m.time = time;
-        return m;
-    }
-    real_t root[2];
-    const real_t far = real_mul(REAL(1e12), real_max(v_from, v_to));
-    if (quadratic_roots(law, far, root)) {
-        // Q = (v - v_t) q(v) with v_t the nearer root: v / Q = v_t / Q + 1 / q and v^2 / Q = v_t^2 / Q + (v + v_t) / q.
-        const real_t mid = real_mul(REAL(0.5), v_from + v_to);
-        const real_t v_t = real_abs(root[0] - mid) < real_abs(root[1] - mid) ? root[0] : root[1];
-        const real_t q = law[1] + real_mul(law[2], v_from + v_t);
-        const real_t y = real_div(real_mul(law[2], dv), q), x = real_div(dv, q);
-        const real_t one = real_mul(x, log1p_over(y));
-        m.distance = real_mul(v_t, time) + one;
-        m.speed2 = real_mul(real_sq(v_t), time) + real_mul(v_from + v_t, one) + real_mul(real_mul(dv, x), log1p_moment(y));
-        return m;
-    }
-    const real_t Q_a = quadratic_at(law, v_from);
-    const real_t dQ = real_mul(dv, law[1] + real_mul(law[2], v_from + v_to));
-    const real_t log_ratio = real_log1p(real_div(dQ, Q_a));
-    m.distance = real_div(real_mul(REAL(0.5), log_ratio - real_mul(law[1], time)), law[2]);
-    m.speed2 = real_div(dv - real_mul(law[0], time) - real_mul(law[1], m.distance), law[2]);
-    return m;
-}
-
-static ssv_moments_t law_integrals(const real_t law[3], real_t v_from, real_t v_to) {
-    if (v_from == v_to) return (ssv_moments_t){REAL(0), REAL(0), REAL(0)};
-    if (is_short(law, v_from, v_to)) return moments_by_quadrature(law, v_from, v_to);
-    return law_moments(law, v_from, v_to, law_time(law, v_from, v_to));
-}
 
 real_t ssv_piece_speed(const ssv_piece_t* piece, real_t t_s) {
-    const real_t* law = piece->law;
-    const real_t Q = quadratic_at(law, piece->v_start);
-    if (piece->v_start == piece->v_end || Q == REAL(0)) return piece->v_start;
-    const real_t slope = law[1] + real_mul(REAL(2), real_mul(law[2], piece->v_start));
-    const real_t disc = real_sq(law[1]) - real_mul(REAL(4), real_mul(law[0], law[2]));
-    const real_t root = real_sqrt(real_abs(disc));
-    const real_t x = real_mul(REAL(0.5), real_mul(root, t_s));
-    real_t tau = real_mul(REAL(0.5), t_s); // tanh(x) / root, tan(x) / root
-    if (x > REAL(1e-8)) {
-        if (disc < REAL(0)) {
-            tau = real_div(real_tan(x), root);
-        } else {
-            const real_t e = real_expm1(real_mul(REAL(-2), x));
-            tau = real_div(-e, real_mul(REAL(2) + e, root));
-        }
-    }
-    const real_t v = piece->v_start + real_div(real_mul(real_mul(REAL(2), Q), tau), REAL(1) - real_mul(slope, tau));
+    if (piece->v_start == piece->v_end) return piece->v_start;
+    const real_t v = ssv_law_speed(piece->law, piece->v_start, t_s);
     return real_max(real_min(piece->v_start, piece->v_end), real_min(real_max(piece->v_start, piece->v_end), v));
 }
 
 ssv_moments_t ssv_piece_moments(const ssv_piece_t* piece, real_t v_from, real_t v_to, real_t time_s) {
-    return law_moments(piece->law, v_from, v_to, time_s);
+    return ssv_law_moments(piece->law, v_from, v_to, time_s);
 }
 
 void ssv_piece_thrust(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, int i, real_t c[3]) {
@@ -172,8 +35,7 @@ void ssv_piece_thrust(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, in
 
 typedef enum { SPEED_UP, BRAKE, COAST } policy_t;
 
-// Laws that a leg's thrusters can be bound to: limit[i] speeds up or brakes with thruster i at its limit, idle[i] gives it
-// no thrust.
+// Laws that a leg's thrusters can be bound to: up[i] and brake[i] put thruster i at its limit, idle[i] gives it no thrust.
 typedef struct {
     const ssv_thrusts_t* thrusts;
     real_t top;   // speeds go up to here
@@ -204,18 +66,14 @@ static bool laws_init(const ssv_thrusts_t* thrusts, laws_t* laws) {
     return largest > REAL(0);
 }
 
-static real_t size_at(const real_t c[3], real_t v) {
-    return real_abs(c[0]) + real_mul(v, real_abs(c[1]) + real_mul(v, real_abs(c[2])));
-}
-
 // Sign of a - b just beyond speed v: by value, then slope, then curvature, each only if it is more than rounding. Laws of
 // thrusters that mirror each other often agree at v and part later.
 static int compare(const laws_t* laws, const real_t a[3], const real_t b[3], real_t v) {
-    const real_t top = laws->top, noise = real_mul(SAME_LAW, size_at(a, top) + size_at(b, top));
+    const real_t top = laws->top, noise = real_mul(SAME_LAW, ssv_quadratic_size(a, top) + ssv_quadratic_size(b, top));
     const real_t d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
     const real_t curve = real_mul(d[2], real_sq(top));
     const real_t slope = real_mul(top, d[1] + real_mul(REAL(2), real_mul(d[2], v)));
-    const real_t value = quadratic_at(d, v);
+    const real_t value = ssv_quadratic_at(d, v);
     const real_t first = real_abs(value) > noise ? value : real_abs(slope) > noise ? slope : curve;
     return real_abs(first) <= noise ? 0 : first > REAL(0) ? 1 : -1;
 }
@@ -267,8 +125,8 @@ static real_t next_crossing(const laws_t* laws, policy_t policy, const real_t la
         for (int k = 0; k < 2; k++) {
             if (rival[k] == NULL || rival[k] == law) continue;
             const real_t diff[3] = {rival[k][0] - law[0], rival[k][1] - law[1], rival[k][2] - law[2]};
-            if (size_at(diff, to) <= real_mul(SAME_LAW, size_at(law, to))) continue;
-            next = root_after(diff, from, next);
+            if (ssv_quadratic_size(diff, to) <= real_mul(SAME_LAW, ssv_quadratic_size(law, to))) continue;
+            next = ssv_quadratic_root_after(diff, from, next);
         }
     }
     return next;
@@ -306,7 +164,7 @@ static bool ramp_extend(const laws_t* laws, policy_t policy, real_t top, ramp_ta
 static void ramp_measure(ramp_table_t* ramp) {
     ramp->reach[0] = REAL(0);
     for (int k = 0; k < ramp->num; k++) {
-        ramp->reach[k + 1] = ramp->reach[k] + real_abs(law_integrals(ramp->law[k], ramp->v[k], ramp->v[k + 1]).distance);
+        ramp->reach[k + 1] = ramp->reach[k] + real_abs(ssv_law_integrals(ramp->law[k], ramp->v[k], ramp->v[k + 1]).distance);
     }
 }
 
@@ -314,8 +172,8 @@ static void ramp_measure(ramp_table_t* ramp) {
 static real_t ramp_reach(const ramp_table_t* ramp, real_t v, real_t* acceleration) {
     int k = 0;
     while (k + 1 < ramp->num && ramp->v[k + 1] < v) k++;
-    *acceleration = quadratic_at(ramp->law[k], v);
-    return ramp->reach[k] + real_abs(law_integrals(ramp->law[k], ramp->v[k], v).distance);
+    *acceleration = ssv_quadratic_at(ramp->law[k], v);
+    return ramp->reach[k] + real_abs(ssv_law_integrals(ramp->law[k], ramp->v[k], v).distance);
 }
 
 // Largest speed that every thruster can hold: |linear v + quadratic v^2| <= force_max. Infinite without drag; then what the
@@ -329,7 +187,7 @@ static real_t top_speed(const laws_t* laws, real_t distance) {
         for (int sign = -1; sign <= 1; sign += 2) {
             const real_t c[3] = {real_mul(real_from_int(sign), t->force_max_N), t->linear[i], t->quadratic[i]};
             real_t root[2];
-            if ((c[1] == REAL(0) && c[2] == REAL(0)) || !quadratic_roots(c, REAL(1e9), root)) continue;
+            if ((c[1] == REAL(0) && c[2] == REAL(0)) || !ssv_quadratic_roots(c, REAL(1e9), root)) continue;
             for (int k = 0; k < 2; k++) {
                 if (root[k] > REAL(0) && (!bounded || root[k] < top)) {
                     top = root[k];
@@ -346,9 +204,9 @@ static real_t top_speed(const laws_t* laws, real_t distance) {
 // Where the least thrust stops slowing the body, no drag-only ramp starts: end the ramp below.
 static void keep_slowing(ramp_table_t* ramp) {
     for (int k = 0; k < ramp->num; k++) {
-        const bool slows = quadratic_at(ramp->law[k], ramp->v[k]) < REAL(0) &&
-                           quadratic_at(ramp->law[k], ramp->v[k + 1]) < REAL(0) &&
-                           root_after(ramp->law[k], ramp->v[k], ramp->v[k + 1]) >= ramp->v[k + 1];
+        const bool slows = ssv_quadratic_at(ramp->law[k], ramp->v[k]) < REAL(0) &&
+                           ssv_quadratic_at(ramp->law[k], ramp->v[k + 1]) < REAL(0) &&
+                           ssv_quadratic_root_after(ramp->law[k], ramp->v[k], ramp->v[k + 1]) >= ramp->v[k + 1];
         if (!slows) ramp->num = k;
     }
 }
@@ -363,8 +221,8 @@ static real_t impulse(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece) {
     for (int i = 0; i < N; i++) {
         ssv_piece_thrust(thrusts, piece, i, c[i]);
         real_t root[2];
-        if (low == high || size_at(c[i], high) <= real_mul(SAME_LAW, thrusts->force_max_N)) continue;
-        if (!quadratic_roots(c[i], real_mul(REAL(2), high), root)) continue;
+        if (low == high || ssv_quadratic_size(c[i], high) <= real_mul(SAME_LAW, thrusts->force_max_N)) continue;
+        if (!ssv_quadratic_roots(c[i], real_mul(REAL(2), high), root)) continue;
         for (int k = 0; k < 2; k++) {
             if (root[k] > low && root[k] < high) cut[num++] = root[k];
         }
@@ -379,8 +237,8 @@ static real_t impulse(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece) {
     cut[num] = high;
     real_t sum = REAL(0);
     for (int k = 0; k < num; k++) {
-        const ssv_moments_t m = low == high ? law_moments(piece->law, low, high, piece->duration_s)
-                                            : law_integrals(piece->law, cut[k], cut[k + 1]);
+        const ssv_moments_t m = low == high ? ssv_law_moments(piece->law, low, high, piece->duration_s)
+                                            : ssv_law_integrals(piece->law, cut[k], cut[k + 1]);
         for (int i = 0; i < N; i++) {
             sum += real_abs(real_mul(c[i][0], m.time) + real_mul(c[i][1], m.distance) + real_mul(c[i][2], m.speed2));
         }
@@ -391,12 +249,12 @@ static real_t impulse(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece) {
 static bool append(ssv_profile_t* profile, const ssv_thrusts_t* thrusts, const real_t law[3], real_t v_start, real_t v_end,
                    real_t hold_s) {
     if (profile->num_pieces == SSV_MAX_PROFILE_PIECES) return false;
-    const ssv_moments_t m = v_start == v_end ? law_moments(law, v_start, v_end, hold_s) : law_integrals(law, v_start, v_end);
+    const ssv_moments_t m = v_start == v_end ? ssv_law_moments(law, v_start, v_end, hold_s) : ssv_law_integrals(law, v_start, v_end);
     const ssv_piece_t* before = &profile->piece[profile->num_pieces];
     real_t s = REAL(0);
     if (profile->num_pieces > 0) {
         before--;
-        s = before->s + law_moments(before->law, before->v_start, before->v_end, before->duration_s).distance;
+        s = before->s + ssv_law_moments(before->law, before->v_start, before->v_end, before->duration_s).distance;
     }
     ssv_piece_t* piece = &profile->piece[profile->num_pieces++];
     *piece = (ssv_piece_t){profile->duration_s, m.time, s, v_start, v_end, {law[0], law[1], law[2]}};

@@ -6,6 +6,7 @@
 #ifndef SSV_PROFILE_H
 #define SSV_PROFILE_H
 
+#include "planner/law.h"
 #include "ssv/planner.h"
 
 /// Most pieces in one profile.
@@ -29,11 +30,6 @@ typedef struct {
 /// SSV_TOO_LONG; SSV_TOO_MANY_PIECES. *profile is meaningful only when feasible. Some 10 to 30 logarithms.
 ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, ssv_ramp_t ramp, real_t cutoff, real_t distance,
                                 ssv_profile_t* profile);
-
-/// Integrals over a stretch of a piece.
-typedef struct {
-    real_t time, distance, speed2; ///< of 1, v and v^2 over time: [s], [m or rad], [m2/s or rad2/s]
-} ssv_moments_t;
 
 /// Speed of a piece at a time since its start, 0 <= t_s <= piece->duration_s.
 real_t ssv_piece_speed(const ssv_piece_t* piece, real_t t_s);

@@ -12,8 +12,6 @@
 // Errors are looked at in NUM_CHECKS places only; between them they may be this much larger.
 #define CHECK_MARGIN REAL(0.9)
 
-static real_t at(const real_t c[3], real_t v) { return c[0] + real_mul(v, c[1] + real_mul(v, c[2])); }
-
 // Integrals over a stretch of v and v^2, each also times the fraction of the stretch that has passed less one half.
 typedef struct {
     ssv_moments_t mean;
@@ -60,7 +58,7 @@ static real_t fit_all(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, re
         const real_t rise = segment->u_end_N[i] - segment->u_start_N[i];
         for (int k = 0; k < NUM_CHECKS; k++) {
             const real_t along = real_div(real_from_int(k), real_from_int(NUM_CHECKS - 1));
-            worst = real_max(worst, real_abs(at(c, v[k]) - segment->u_start_N[i] - real_mul(along, rise)));
+            worst = real_max(worst, real_abs(ssv_quadratic_at(c, v[k]) - segment->u_start_N[i] - real_mul(along, rise)));
         }
     }
     return real_div(worst, thrusts->force_max_N);

@@ -1,0 +1,137 @@
+#include "planner/law.h"
+
+#include "planner/gauss.h"
+
+// A stretch over which dv/dt changes less than this factor is integrated by quadrature: there the closed forms cancel.
+#define SHORT_RATIO REAL(1.3)
+
+bool ssv_quadratic_roots(const real_t c[3], real_t far, real_t root[2]) {
+    const real_t disc = real_sq(c[1]) - real_mul(REAL(4), real_mul(c[0], c[2]));
+    if (disc < REAL(0)) return false;
+    const real_t q = real_mul(REAL(-0.5), c[1] + (c[1] < REAL(0) ? -real_sqrt(disc) : real_sqrt(disc)));
+    if (q == REAL(0)) {
+        if (c[2] == REAL(0)) return false;
+        root[0] = root[1] = REAL(0);
+        return true;
+    }
+    const real_t a = real_div(c[0], q);
+    const real_t b = real_abs(c[2]) > real_div(real_abs(q), far) ? real_div(q, c[2]) : far;
+    root[0] = real_min(a, b);
+    root[1] = real_max(a, b);
+    return true;
+}
+
+real_t ssv_quadratic_root_after(const real_t c[3], real_t from, real_t to) {
+    real_t root[2];
+    if (!ssv_quadratic_roots(c, real_mul(REAL(2), to), root)) return to;
+    if (root[0] > from && root[0] < to) return root[0];
+    if (root[1] > from && root[1] < to) return root[1];
+    return to;
+}
+
+static bool is_short(const real_t law[3], real_t v_from, real_t v_to) {
+    const real_t a = real_abs(ssv_quadratic_at(law, v_from)), b = real_abs(ssv_quadratic_at(law, v_to));
+    const real_t m = real_abs(ssv_quadratic_at(law, real_mul(REAL(0.5), v_from + v_to)));
+    return real_max(a, real_max(b, m)) < real_mul(SHORT_RATIO, real_min(a, real_min(b, m)));
+}
+
+static ssv_moments_t moments_by_quadrature(const real_t law[3], real_t v_from, real_t v_to) {
+    ssv_moments_t m = {REAL(0), REAL(0), REAL(0)};
+    const real_t mid = real_mul(REAL(0.5), v_from + v_to), half = real_mul(REAL(0.5), v_to - v_from);
+    for (int k = 0; k < GAUSS_NODES; k++) {
+        const real_t v = mid + real_mul(half, gauss_node[k]);
+        const real_t dt = real_div(real_mul(gauss_weight[k], half), ssv_quadratic_at(law, v));
+        m.time += dt;
+        m.distance += real_mul(v, dt);
+        m.speed2 += real_mul(real_sq(v), dt);
+    }
+    return m;
+}
+
+// Time from dv/dt = Q(v): with tau = dv / (2 Q_a + Q_a' dv) and d the discriminant, t = 2 atanh(sqrt(d) tau) / sqrt(d), or
+// the arc tangent where d < 0. No case of it cancels: 1 - d tau^2 = 4 Q_a Q_b / (2 Q_a + Q_a' dv)^2 exactly.
+static real_t law_time(const real_t law[3], real_t v_from, real_t v_to) {
+    const real_t dv = v_to - v_from;
+    const real_t Q_a = ssv_quadratic_at(law, v_from), Q_b = ssv_quadratic_at(law, v_to);
+    const real_t den = real_mul(REAL(2), Q_a) + real_mul(law[1] + real_mul(REAL(2), real_mul(law[2], v_from)), dv);
+    const real_t disc = real_sq(law[1]) - real_mul(REAL(4), real_mul(law[0], law[2]));
+    const real_t root = real_sqrt(real_abs(disc));
+    if (disc < REAL(0)) {
+        const real_t sign = Q_a < REAL(0) ? REAL(-1) : REAL(1);
+        return real_div(real_mul(REAL(2), real_atan2(real_mul(sign, real_mul(root, dv)), real_mul(sign, den))), root);
+    }
+    const real_t x = real_abs(real_div(real_mul(root, dv), den));
+    if (x < REAL(1e-8)) return real_div(real_mul(REAL(2), dv), den);
+    const real_t one_minus_x2 = real_mul(real_mul(REAL(4), real_div(Q_a, den)), real_div(Q_b, den));
+    const real_t t = real_div(real_mul(REAL(2), real_log1p(x)) - real_log1p(one_minus_x2 - REAL(1)), root);
+    return (dv < REAL(0)) == (Q_a < REAL(0)) ? t : -t; // a ramp is measured from rest, also against time
+}
+
+// log(1 + y) / y and its first moment, both smooth at y = 0.
+static real_t log1p_over(real_t y) {
+    return real_abs(y) < REAL(1e-5) ? REAL(1) - real_mul(y, REAL(0.5) - real_div(y, REAL(3))) : real_div(real_log1p(y), y);
+}
+
+static real_t log1p_moment(real_t y) {
+    if (real_abs(y) > REAL(1e-2)) return real_div(REAL(1) - log1p_over(y), y);
+    real_t sum = REAL(0), power = REAL(1); // 1/2 - y/3 + y^2/4 - ...
+    for (int n = 2; n < 10; n++) {
+        sum += real_div(power, real_from_int(n));
+        power = real_mul(power, -y);
+    }
+    return sum;
+}
+
+ssv_moments_t ssv_law_moments(const real_t law[3], real_t v_from, real_t v_to, real_t time) {
+    const real_t dv = v_to - v_from;
+    ssv_moments_t m = {time, real_mul(time, v_from), real_mul(time, real_sq(v_from))};
+    if (dv == REAL(0)) return m;
+    if (is_short(law, v_from, v_to)) {
+        m = moments_by_quadrature(law, v_from, v_to);
+        m.time = time;
+        return m;
+    }
+    real_t root[2];
+    const real_t far = real_mul(REAL(1e12), real_max(v_from, v_to));
+    if (ssv_quadratic_roots(law, far, root)) {
+        // Q = (v - v_t) q(v) with v_t the nearer root: v / Q = v_t / Q + 1 / q and v^2 / Q = v_t^2 / Q + (v + v_t) / q.
+        const real_t mid = real_mul(REAL(0.5), v_from + v_to);
+        const real_t v_t = real_abs(root[0] - mid) < real_abs(root[1] - mid) ? root[0] : root[1];
+        const real_t q = law[1] + real_mul(law[2], v_from + v_t);
+        const real_t y = real_div(real_mul(law[2], dv), q), x = real_div(dv, q);
+        const real_t one = real_mul(x, log1p_over(y));
+        m.distance = real_mul(v_t, time) + one;
+        m.speed2 = real_mul(real_sq(v_t), time) + real_mul(v_from + v_t, one) + real_mul(real_mul(dv, x), log1p_moment(y));
+        return m;
+    }
+    const real_t Q_a = ssv_quadratic_at(law, v_from);
+    const real_t dQ = real_mul(dv, law[1] + real_mul(law[2], v_from + v_to));
+    const real_t log_ratio = real_log1p(real_div(dQ, Q_a));
+    m.distance = real_div(real_mul(REAL(0.5), log_ratio - real_mul(law[1], time)), law[2]);
+    m.speed2 = real_div(dv - real_mul(law[0], time) - real_mul(law[1], m.distance), law[2]);
+    return m;
+}
+
+ssv_moments_t ssv_law_integrals(const real_t law[3], real_t v_from, real_t v_to) {
+    if (v_from == v_to) return (ssv_moments_t){REAL(0), REAL(0), REAL(0)};
+    if (is_short(law, v_from, v_to)) return moments_by_quadrature(law, v_from, v_to);
+    return ssv_law_moments(law, v_from, v_to, law_time(law, v_from, v_to));
+}
+
+real_t ssv_law_speed(const real_t law[3], real_t v_from, real_t t) {
+    const real_t Q = ssv_quadratic_at(law, v_from);
+    const real_t slope = law[1] + real_mul(REAL(2), real_mul(law[2], v_from));
+    const real_t disc = real_sq(law[1]) - real_mul(REAL(4), real_mul(law[0], law[2]));
+    const real_t root = real_sqrt(real_abs(disc));
+    const real_t x = real_mul(REAL(0.5), real_mul(root, t));
+    real_t tau = real_mul(REAL(0.5), t); // tanh(x) / root, tan(x) / root
+    if (x > REAL(1e-8)) {
+        if (disc < REAL(0)) {
+            tau = real_div(real_tan(x), root);
+        } else {
+            const real_t e = real_expm1(real_mul(REAL(-2), x));
+            tau = real_div(-e, real_mul(REAL(2) + e, root));
+        }
+    }
+    return v_from + real_div(real_mul(real_mul(REAL(2), Q), tau), REAL(1) - real_mul(slope, tau));
+}
