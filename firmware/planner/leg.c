@@ -72,7 +72,8 @@ ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move,
     for (int style = SSV_FULL_REVERSE; style <= SSV_DRAG_ONLY; style++) {
         ssv_profile_t trial;
         ssv_price_t price = {SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
-        price.outcome = ssv_profile_solve(thrusts, (ssv_ramp_t)style, cutoff, move->length, &trial);
+        const ssv_rule_t rule = {(ssv_ramp_t)style, cutoff, REAL(0), REAL(0), REAL(0)};
+        price.outcome = ssv_profile_solve(thrusts, &rule, move->length, &trial);
         if (price.outcome == SSV_FEASIBLE) {
             price.time_s = trial.duration_s;
             price.impulse_Ns = trial.impulse_Ns;

@@ -5,6 +5,7 @@
 #define N SSV_NUM_THRUSTERS
 #define MAX_KNOTS SSV_MAX_PROFILE_PIECES
 #define MAX_NEWTON 60
+#define MAX_FALSI 40
 
 // Terminal speed is only approached; cruise at this much less. The time lost is the same fraction of the cruise.
 #define TERMINAL_MARGIN REAL(5.9604644775390625e-8)
@@ -13,6 +14,11 @@
 // The next knot lies at least this fraction of the top speed beyond the last; a law found out of place in between is so by
 // rounding only.
 #define PROBE REAL(9.3132257461547852e-10)
+
+// Time never counts less than this many newtons of thrust: without a price on it no leg would end.
+#define TIME_PRICE_MIN_N REAL(1e-3)
+// A short optimal leg's ramps cover the distance to within twice this fraction, cruising the rest: in J that is its square.
+#define SHORT_BY REAL(5e-7)
 
 real_t ssv_piece_speed(const ssv_piece_t* piece, real_t t_s) {
     if (piece->v_start == piece->v_end) return piece->v_start;
@@ -33,13 +39,14 @@ void ssv_piece_thrust(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, in
 
 // ---- Which law holds at which speed -------------------------------------------------------------------------------------
 
-typedef enum { SPEED_UP, BRAKE, COAST } policy_t;
+typedef enum { SPEED_UP, BRAKE, COAST, THRIFTY_UP, THRIFTY_SLOW } policy_t;
 
 // Laws that a leg's thrusters can be bound to: up[i] and brake[i] put thruster i at its limit, idle[i] gives it no thrust.
 typedef struct {
     const ssv_thrusts_t* thrusts;
     real_t top;   // speeds go up to here
     real_t total; // sum of |accel|
+    real_t weight_time, weight_impulse, lambda; // of the thrifty policies; lambda is the marginal cost of distance
     bool acts[N];
     real_t up[N][3], brake[N][3], idle[N][3];
 } laws_t;
@@ -112,16 +119,79 @@ static const real_t* coast_at(const laws_t* laws, real_t v) {
     return best;
 }
 
+// Thrust of thruster i at speed v and acceleration a.
+static real_t thrust(const ssv_thrusts_t* t, int i, real_t v, real_t a) {
+    return real_mul(t->accel[i], a) + real_mul(v, t->linear[i] + real_mul(v, t->quadratic[i]));
+}
+
+// L(v, a) = W1 + W2 sum |u_i|, cost per second.
+static real_t cost_rate(const laws_t* laws, real_t v, real_t a) {
+    real_t sum = REAL(0);
+    for (int i = 0; i < N; i++) sum += real_abs(thrust(laws->thrusts, i, v, a));
+    return laws->weight_time + real_mul(laws->weight_impulse, sum);
+}
+
+// The law with the least (L(v, a) - lambda v) / |a|, which the optimality conditions ask for: that is convex over linear in a,
+// so a limit or a kink where some thruster idles.
+static const real_t* thrifty_at(const laws_t* laws, bool up, real_t v) {
+    const real_t* limit = limit_at(laws, up, v);
+    const real_t* best = limit;
+    const real_t at = real_min(v + real_mul(PROBE, laws->top), laws->top), distance_value = real_mul(laws->lambda, at);
+    const real_t limit_a = ssv_quadratic_at(limit, at);
+    real_t best_cost = cost_rate(laws, at, limit_a) - distance_value, best_a = real_abs(limit_a);
+    for (int i = 0; i < N; i++) {
+        if (!laws->acts[i]) continue;
+        const real_t a = ssv_quadratic_at(laws->idle[i], at);
+        if (up ? a <= REAL(0) || a >= limit_a : a >= REAL(0) || a <= limit_a) continue;
+        const real_t cost = cost_rate(laws, at, a) - distance_value;
+        if (real_mul(cost, best_a) >= real_mul(best_cost, real_abs(a))) continue;
+        best = laws->idle[i];
+        best_cost = cost;
+        best_a = real_abs(a);
+    }
+    return best;
+}
+
 static const real_t* law_at(const laws_t* laws, policy_t policy, real_t v) {
-    return policy == COAST ? coast_at(laws, v) : limit_at(laws, policy == SPEED_UP, v);
+    switch (policy) {
+        case COAST: return coast_at(laws, v);
+        case THRIFTY_UP: return thrifty_at(laws, true, v);
+        case THRIFTY_SLOW: return thrifty_at(laws, false, v);
+        case SPEED_UP: return limit_at(laws, true, v);
+        case BRAKE: break;
+    }
+    return limit_at(laws, false, v);
+}
+
+// Along its law a thrifty policy changes where a line of L - lambda v, drawn on from the kink towards a = 0, meets zero
+// there: then the next kink on that side is as good. With the signs of all thrusts held that line is quadratic in v.
+static real_t next_balance(const laws_t* laws, bool up, const real_t law[3], real_t from, real_t to) {
+    const ssv_thrusts_t* t = laws->thrusts;
+    const real_t a = ssv_quadratic_at(law, from), noise = real_mul(REAL(1e-9), t->force_max_N);
+    real_t next = to;
+    for (int side = -1; side <= 1; side += 2) {
+        real_t line[3] = {laws->weight_time, -laws->lambda, REAL(0)};
+        for (int i = 0; i < N; i++) {
+            const real_t u = thrust(t, i, from, a);
+            // A thruster that idles along the law has one sign for less acceleration, the other for more.
+            const bool idles = real_abs(u) <= noise;
+            const bool positive = idles ? (t->accel[i] > REAL(0)) == ((side > 0) == up) : u > REAL(0);
+            const real_t weight = positive ? laws->weight_impulse : -laws->weight_impulse;
+            line[1] += real_mul(weight, t->linear[i]);
+            line[2] += real_mul(weight, t->quadratic[i]);
+        }
+        next = ssv_quadratic_root_after(line, from, next);
+    }
+    return next;
 }
 
 // First speed in (from, to) at which another law may take over from this one.
 static real_t next_crossing(const laws_t* laws, policy_t policy, const real_t law[3], real_t from, real_t to) {
+    const bool up = policy == SPEED_UP || policy == THRIFTY_UP, has_kinks = policy != SPEED_UP && policy != BRAKE;
     real_t next = to;
     for (int i = 0; i < N; i++) {
         if (!laws->acts[i]) continue;
-        const real_t* rival[2] = {policy == SPEED_UP ? laws->up[i] : laws->brake[i], policy == COAST ? laws->idle[i] : NULL};
+        const real_t* rival[2] = {up ? laws->up[i] : laws->brake[i], has_kinks ? laws->idle[i] : NULL};
         for (int k = 0; k < 2; k++) {
             if (rival[k] == NULL || rival[k] == law) continue;
             const real_t diff[3] = {rival[k][0] - law[0], rival[k][1] - law[1], rival[k][2] - law[2]};
@@ -129,7 +199,7 @@ static real_t next_crossing(const laws_t* laws, policy_t policy, const real_t la
             next = ssv_quadratic_root_after(diff, from, next);
         }
     }
-    return next;
+    return has_kinks && policy != COAST ? next_balance(laws, up, law, from, next) : next;
 }
 
 // ---- Ramps: speed as a chain of laws, and the distance it takes ---------------------------------------------------------
@@ -284,42 +354,134 @@ static real_t peak_speed(const ramp_table_t* up, const ramp_table_t* slow, real_
     return low;
 }
 
-ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, ssv_ramp_t ramp, real_t cutoff, real_t distance,
-                                ssv_profile_t* profile) {
+// What a rule decides: the two ramps, where they meet, and how far the body cruises there.
+typedef struct {
+    ramp_table_t up, slow;
+    real_t peak, cruise;
+} motion_t;
+
+static void ramp_start(ramp_table_t* ramp) {
+    ramp->num = 0;
+    ramp->v[0] = REAL(0);
+}
+
+static real_t ramp_length(const ramp_table_t* ramp) { return ramp->reach[ramp->num]; }
+
+static ssv_outcome_t solve_paper(laws_t* laws, const ssv_rule_t* rule, real_t distance, real_t top, motion_t* m) {
+    const real_t reverse_from = rule->ramp == SSV_DRAG_ONLY ? real_min(rule->cutoff, top) : top;
+    laws->top = top;
+    ramp_start(&m->up);
+    ramp_start(&m->slow);
+    if (!ramp_extend(laws, BRAKE, reverse_from, &m->slow) || !ramp_extend(laws, COAST, top, &m->slow) ||
+        !ramp_extend(laws, SPEED_UP, top, &m->up)) {
+        return SSV_TOO_MANY_PIECES;
+    }
+    keep_slowing(&m->slow);
+    if (m->slow.v[m->slow.num] < top && m->slow.v[m->slow.num] <= reverse_from) return SSV_NO_AUTHORITY;
+    m->peak = real_min(top, m->slow.v[m->slow.num]);
+    ramp_measure(&m->up);
+    ramp_measure(&m->slow);
+    real_t a;
+    m->cruise = distance - ramp_reach(&m->up, m->peak, &a) - ramp_reach(&m->slow, m->peak, &a);
+    if (m->cruise < REAL(0)) {
+        m->peak = peak_speed(&m->up, &m->slow, distance, m->peak);
+        m->cruise = REAL(0);
+    }
+    return SSV_FEASIBLE;
+}
+
+// Cheapest speed to hold: the least of the convex L(v, 0) / v. Between the speeds where some thruster changes sign that is
+// W1 / v + const + W2 g v, so a stationary point, one of those speeds, or top.
+static real_t cruise_speed(const laws_t* laws, real_t top) {
+    const ssv_thrusts_t* t = laws->thrusts;
+    real_t best = top, best_cost = real_div(cost_rate(laws, top, REAL(0)), top);
+    for (int i = -1; i < N; i++) {
+        // The interval above sign change i (-1: from rest).
+        real_t low = REAL(0), high = top, slope = REAL(0);
+        if (i >= 0) {
+            if (t->quadratic[i] == REAL(0)) continue;
+            low = -real_div(t->linear[i], t->quadratic[i]);
+            if (!(low > REAL(0) && low < top)) continue;
+        }
+        for (int j = 0; j < N; j++) {
+            const real_t change = t->quadratic[j] == REAL(0) ? REAL(0) : -real_div(t->linear[j], t->quadratic[j]);
+            if (change > low && change < high) high = change;
+        }
+        const real_t mid = real_mul(REAL(0.5), low + high);
+        for (int j = 0; j < N; j++) {
+            const bool positive = t->linear[j] + real_mul(mid, t->quadratic[j]) > REAL(0);
+            slope += positive ? t->quadratic[j] : -t->quadratic[j];
+        }
+        slope = real_mul(laws->weight_impulse, slope);
+        real_t v = high;
+        if (slope > REAL(0)) v = real_max(low, real_min(high, real_sqrt(real_div(laws->weight_time, slope))));
+        if (!(v > REAL(0))) continue;
+        const real_t cost = real_div(cost_rate(laws, v, REAL(0)), v);
+        if (cost >= best_cost) continue;
+        best = v;
+        best_cost = cost;
+    }
+    return best;
+}
+
+// Both ramps from rest to the peak, with the marginal cost of distance that makes this peak the right one.
+static bool thrifty_ramps(laws_t* laws, real_t peak, motion_t* m) {
+    laws->top = m->peak = peak;
+    laws->lambda = real_div(cost_rate(laws, peak, REAL(0)), peak);
+    ramp_start(&m->up);
+    ramp_start(&m->slow);
+    if (!ramp_extend(laws, THRIFTY_UP, peak, &m->up) || !ramp_extend(laws, THRIFTY_SLOW, peak, &m->slow)) return false;
+    ramp_measure(&m->up);
+    ramp_measure(&m->slow);
+    return true;
+}
+
+// A long leg cruises at the cheapest speed. A short one has the peak whose ramps just cover the distance: regula falsi on the
+// root of the covered fraction, which is nearly linear in the peak, aimed a hair short; the hair is cruised.
+static ssv_outcome_t solve_optimal(laws_t* laws, const ssv_rule_t* rule, real_t distance, real_t top, motion_t* m) {
+    laws->weight_impulse = rule->weight_impulse_per_Ns;
+    laws->weight_time = real_max(rule->weight_time_per_s, real_mul(TIME_PRICE_MIN_N, rule->weight_impulse_per_Ns));
+    real_t low = REAL(0), low_miss = -REAL(1), high = cruise_speed(laws, top), high_miss = REAL(0), peak = high;
+    bool was_above = true;
+    for (int n = 0; n < MAX_FALSI; n++) {
+        if (!thrifty_ramps(laws, peak, m)) return SSV_TOO_MANY_PIECES;
+        m->cruise = distance - ramp_length(&m->up) - ramp_length(&m->slow);
+        const real_t covered = real_sqrt(real_div(ramp_length(&m->up) + ramp_length(&m->slow), distance));
+        const real_t miss = covered - REAL(1) + SHORT_BY;
+        if (m->cruise >= REAL(0) && (n == 0 || miss >= -SHORT_BY)) return SSV_FEASIBLE;
+        // Illinois: an end that stays twice counts half.
+        const bool above = miss > REAL(0);
+        if (n > 1 && above == was_above) *(above ? &low_miss : &high_miss) = real_mul(REAL(0.5), above ? low_miss : high_miss);
+        *(above ? &high : &low) = peak;
+        *(above ? &high_miss : &low_miss) = miss;
+        was_above = above;
+        peak = low + real_mul(high - low, real_div(-low_miss, high_miss - low_miss));
+    }
+    return m->cruise >= REAL(0) ? SSV_FEASIBLE : SSV_TOO_MANY_PIECES;
+}
+
+ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule, real_t distance, ssv_profile_t* profile) {
     static const real_t steady[3] = {REAL(0), REAL(0), REAL(0)};
     laws_t laws;
-    ramp_table_t up, slow;
+    motion_t m;
     if (!laws_init(thrusts, &laws)) return SSV_NO_AUTHORITY;
     real_t top = top_speed(&laws, distance);
-    laws.top = top;
-    up.num = slow.num = 0;
-    up.v[0] = slow.v[0] = REAL(0);
-    const real_t reverse_from = ramp == SSV_DRAG_ONLY ? real_min(cutoff, top) : top;
-    if (!ramp_extend(&laws, BRAKE, reverse_from, &slow) || !ramp_extend(&laws, COAST, top, &slow)) return SSV_TOO_MANY_PIECES;
-    if (!ramp_extend(&laws, SPEED_UP, top, &up)) return SSV_TOO_MANY_PIECES;
-    keep_slowing(&slow);
-    if (slow.v[slow.num] < top && slow.v[slow.num] <= reverse_from) return SSV_NO_AUTHORITY;
-    top = real_min(top, slow.v[slow.num]);
-    ramp_measure(&up);
-    ramp_measure(&slow);
+    if (rule->speed_max > REAL(0)) top = real_min(top, rule->speed_max);
+    const ssv_outcome_t outcome = rule->ramp == SSV_OPTIMAL ? solve_optimal(&laws, rule, distance, top, &m)
+                                                             : solve_paper(&laws, rule, distance, top, &m);
+    if (outcome != SSV_FEASIBLE) return outcome;
 
-    real_t a;
-    real_t peak = top, rest = distance - ramp_reach(&up, top, &a) - ramp_reach(&slow, top, &a);
-    if (rest < REAL(0)) {
-        peak = peak_speed(&up, &slow, distance, top);
-        rest = REAL(0);
-    }
     profile->num_pieces = 0;
     profile->duration_s = profile->impulse_Ns = REAL(0);
-    profile->peak_speed = peak;
+    profile->peak_speed = m.peak;
     bool fits = true;
-    for (int k = 0; k < up.num && up.v[k] < peak; k++) {
-        fits = fits && append(profile, thrusts, up.law[k], up.v[k], real_min(up.v[k + 1], peak), REAL(0));
+    for (int k = 0; k < m.up.num && m.up.v[k] < m.peak; k++) {
+        fits = fits && append(profile, thrusts, m.up.law[k], m.up.v[k], real_min(m.up.v[k + 1], m.peak), REAL(0));
     }
-    if (rest > REAL(0)) fits = fits && append(profile, thrusts, steady, peak, peak, real_div(rest, peak));
-    for (int k = slow.num - 1; k >= 0; k--) {
-        if (slow.v[k] >= peak) continue;
-        fits = fits && append(profile, thrusts, slow.law[k], real_min(slow.v[k + 1], peak), slow.v[k], REAL(0));
+    if (m.cruise > REAL(0)) fits = fits && append(profile, thrusts, steady, m.peak, m.peak, real_div(m.cruise, m.peak));
+    for (int k = m.slow.num - 1; k >= 0; k--) {
+        if (m.slow.v[k] >= m.peak) continue;
+        fits = fits && append(profile, thrusts, m.slow.law[k], real_min(m.slow.v[k + 1], m.peak), m.slow.v[k], REAL(0));
     }
     if (!fits) return SSV_TOO_MANY_PIECES;
     return profile->duration_s <= SSV_DURATION_MAX_S ? SSV_FEASIBLE : SSV_TOO_LONG;

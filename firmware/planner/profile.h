@@ -23,13 +23,23 @@ typedef struct {
     ssv_piece_t piece[SSV_MAX_PROFILE_PIECES];
 } ssv_profile_t;
 
-/// The paper's profile over a distance [m or rad] > 0: full thrust ahead, terminal speed as long as needed, then the ramp:
-/// SSV_FULL_REVERSE brakes with full thrust; SSV_DRAG_ONLY gives the least total thrust that keeps the body on the leg down
-/// to speed cutoff, then brakes. A leg too short for terminal speed turns from speeding up to slowing where the distance asks.
+/// How a leg is flown.
+typedef struct {
+    ssv_ramp_t ramp;
+    real_t cutoff;               ///< [m/s or rad/s] SSV_DRAG_ONLY: speed at which it ends and full reverse begins
+    real_t weight_time_per_s, weight_impulse_per_Ns; ///< SSV_OPTIMAL: W1, W2; scaled together they change nothing
+    real_t speed_max;            ///< [m/s or rad/s] cap; 0 = none
+} ssv_rule_t;
+
+/// The profile over a distance [m or rad] > 0 under a rule.
+/// The paper's ramps: full thrust ahead, terminal speed as long as needed, then SSV_FULL_REVERSE brakes with full thrust;
+/// SSV_DRAG_ONLY gives the least total thrust that keeps the body on the leg down to the cutoff, then brakes. A leg too short
+/// for terminal speed turns from speeding up to slowing where the distance asks.
+/// SSV_OPTIMAL: the profile with the least W1 T + W2 F of all (DESIGN.md 5). Without a price on time no leg would end: W1
+/// counts as at least 1e-3 N times W2.
 /// @return SSV_FEASIBLE; SSV_NO_AUTHORITY if no thruster acts along the leg or the least thrust does not slow the body;
-/// SSV_TOO_LONG; SSV_TOO_MANY_PIECES. *profile is meaningful only when feasible. Some 10 to 30 logarithms.
-ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, ssv_ramp_t ramp, real_t cutoff, real_t distance,
-                                ssv_profile_t* profile);
+/// SSV_TOO_LONG; SSV_TOO_MANY_PIECES. *profile is meaningful only when feasible. Some 10 to 100 logarithms.
+ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule, real_t distance, ssv_profile_t* profile);
 
 /// Speed of a piece at a time since its start, 0 <= t_s <= piece->duration_s.
 real_t ssv_piece_speed(const ssv_piece_t* piece, real_t t_s);

@@ -96,7 +96,7 @@ static void test_random_legs_obey_their_ramp_and_add_up(void) {
         const double stroke = pow(10, task_between(-2, 2));
         char label[64];
         (void)snprintf(label, sizeof label, "seed %d, leg %d", SEED, leg);
-        if (ssv_profile_solve(&t, ramp, CUTOFF, stroke, &profile) != SSV_FEASIBLE) continue;
+        if (ssv_profile_solve(&t, &(ssv_rule_t){ramp, CUTOFF, 0, 0, 0}, stroke, &profile) != SSV_FEASIBLE) continue;
         feasible++;
         double distance = 0, impulse = 0, time = 0;
         for (int k = 0; k < profile.num_pieces; k++) {

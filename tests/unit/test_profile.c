@@ -28,7 +28,7 @@ static ssv_thrusts_t turning(void) {
 }
 
 static void solve(const ssv_thrusts_t* thrusts, ssv_ramp_t ramp, double cutoff, double distance) {
-    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(thrusts, ramp, cutoff, distance, &profile));
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(thrusts, &(ssv_rule_t){ramp, cutoff, 0, 0, 0}, distance, &profile));
 }
 
 static void test_straight_leg_takes_the_time_of_the_exact_solution_with_linear_drag(void) {
@@ -117,19 +117,19 @@ static void test_pieces_join_in_time_speed_and_distance_and_cover_the_leg(void) 
 
 static void test_leg_that_no_thruster_acts_on_has_no_authority(void) {
     const ssv_thrusts_t t = {{0}, {0}, {0}, FORCE};
-    TEST_ASSERT_EQUAL_INT(SSV_NO_AUTHORITY, ssv_profile_solve(&t, SSV_FULL_REVERSE, 0.001, 1, &profile));
+    TEST_ASSERT_EQUAL_INT(SSV_NO_AUTHORITY, ssv_profile_solve(&t, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 1, &profile));
 }
 
 static void test_drag_only_is_refused_where_least_thrust_does_not_slow_the_body(void) {
     // One thruster idles at a = 0 and weighs more than the rest together: least thrust holds the speed.
     const ssv_thrusts_t t = {{100, 1, 1}, {0, 1, 1}, {0}, FORCE};
-    TEST_ASSERT_EQUAL_INT(SSV_NO_AUTHORITY, ssv_profile_solve(&t, SSV_DRAG_ONLY, 0.001, 1, &profile));
-    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(&t, SSV_FULL_REVERSE, 0.001, 1, &profile));
+    TEST_ASSERT_EQUAL_INT(SSV_NO_AUTHORITY, ssv_profile_solve(&t, &(ssv_rule_t){SSV_DRAG_ONLY, 0.001, 0, 0, 0}, 1, &profile));
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(&t, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 1, &profile));
 }
 
 static void test_leg_longer_than_the_longest_plan_is_too_long(void) {
     const ssv_thrusts_t t = straight();
-    TEST_ASSERT_EQUAL_INT(SSV_TOO_LONG, ssv_profile_solve(&t, SSV_FULL_REVERSE, 0.001, 600, &profile));
+    TEST_ASSERT_EQUAL_INT(SSV_TOO_LONG, ssv_profile_solve(&t, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 600, &profile));
 }
 
 int main(void) {

@@ -34,7 +34,7 @@ static void test_timeline_of_random_legs_is_close_exact_in_impulse_contiguous_an
         const ssv_thrusts_t thrusts = random_thrusts();
         const ssv_ramp_t ramp = trial % 2 == 0 ? SSV_FULL_REVERSE : SSV_DRAG_ONLY;
         const double distance = pow(10, task_between(-2, 1.5));
-        if (ssv_profile_solve(&thrusts, ramp, 0.01, distance, &profile) != SSV_FEASIBLE) continue;
+        if (ssv_profile_solve(&thrusts, &(ssv_rule_t){ramp, 0.01, 0, 0, 0}, distance, &profile) != SSV_FEASIBLE) continue;
         for (int k = 0; k < profile.num_pieces; k++) {
             const ssv_piece_t* piece = &profile.piece[k];
             plan.num_segments = 0;
@@ -68,7 +68,7 @@ static void test_timeline_of_random_legs_is_close_exact_in_impulse_contiguous_an
 
 static void test_constant_thrust_is_one_segment(void) {
     const ssv_thrusts_t thrusts = {{38.1, -38.1}, {206.8425, -206.8425}, {0}, 6};
-    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(&thrusts, SSV_FULL_REVERSE, 0.001, 2, &profile));
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(&thrusts, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 2, &profile));
     plan.num_segments = 0;
     TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &profile.piece[0], 0, 0, &plan));
     TEST_ASSERT_EQUAL_INT(1, plan.num_segments);
@@ -76,7 +76,7 @@ static void test_constant_thrust_is_one_segment(void) {
 
 static void test_full_timeline_refuses_more(void) {
     const ssv_thrusts_t thrusts = {{38.1, -38.1}, {206.8425, -206.8425}, {0}, 6};
-    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(&thrusts, SSV_FULL_REVERSE, 0.001, 2, &profile));
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(&thrusts, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 2, &profile));
     plan.num_segments = SSV_MAX_SEGMENTS;
     TEST_ASSERT_EQUAL_INT(SSV_TOO_MANY_SEGMENTS, ssv_timeline_append(&thrusts, &profile.piece[0], 0, 0, &plan));
     TEST_ASSERT_EQUAL_INT(SSV_MAX_SEGMENTS, plan.num_segments);

@@ -163,7 +163,7 @@ uint64_t ssv_scenario_hash(const ssv_scenario_t* scenario);
 
 typedef enum { SSV_TRANSIT = 0, SSV_TRANSFER = 1 } ssv_phase_t;                      ///< vehicle alone; vehicle with beam
 typedef enum { SSV_TRANSLATE = 0, SSV_TURN = 1, SSV_SCREW = 2 } ssv_leg_kind_t;
-typedef enum { SSV_FULL_REVERSE = 0, SSV_DRAG_ONLY = 1 } ssv_ramp_t;                 ///< how a leg slows (paper Figs. 6, 7)
+typedef enum { SSV_FULL_REVERSE = 0, SSV_DRAG_ONLY = 1, SSV_OPTIMAL = 2 } ssv_ramp_t; ///< how a leg slows (paper Figs. 6, 7)
 typedef enum { SSV_MATE = 0, SSV_DOCK = 1 } ssv_event_kind_t;
 
 /// A stretch of a leg in which the speed v along it follows dv/dt = law[0] + law[1] v + law[2] v^2.
