@@ -48,6 +48,7 @@ void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* 
     scenario->weight_time_per_s = real_from_double(wire->weight_time_per_s);
     scenario->weight_impulse_per_Ns = real_from_double(wire->weight_impulse_per_Ns);
     scenario->method = (ssv_method_t)wire->options.method;
+    scenario->effort = (ssv_effort_t)wire->options.effort;
     scenario->num_attach_heights = wire->options.num_attach_heights;
     for (int i = 0; i < SSV_MAX_ATTACH_HEIGHTS; i++) {
         scenario->attach_heights_m[i] = real_from_double(wire->options.attach_heights_m[i]);
@@ -217,6 +218,7 @@ ssv_status_t ssv_answer(const lcm_ssv_scenario_t* question, ssv_answer_t* answer
     wire->status = LCM_SSV_PLAN_T_STATUS_OK;
     wire->plan_hash = (int64_t)plan->plan_hash;
     wire->cost = real_to_double(plan->cost);
+    wire->cost_lower_bound = real_to_double(plan->lower_bound);
     wire->time_s = real_to_double(plan->time_s);
     wire->impulse_Ns = real_to_double(plan->impulse_Ns);
     wire->choice.contact = (int8_t)plan->choice.contact;

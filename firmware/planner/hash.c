@@ -57,6 +57,7 @@ uint64_t ssv_scenario_hash(const ssv_scenario_t* scenario) {
     hash = ssv_hash_real(hash, scenario->weight_time_per_s);
     hash = ssv_hash_real(hash, scenario->weight_impulse_per_Ns);
     hash = ssv_hash_int(hash, (int)scenario->method);
+    hash = ssv_hash_int(hash, (int)scenario->effort);
     hash = ssv_hash_int(hash, scenario->num_attach_heights);
     for (int k = 0; k < scenario->num_attach_heights && k < SSV_MAX_ATTACH_HEIGHTS; k++) {
         hash = ssv_hash_real(hash, scenario->attach_heights_m[k]);
@@ -113,6 +114,7 @@ uint64_t ssv_plan_hash(const ssv_plan_t* plan) {
     uint64_t hash = ssv_hash_int(SSV_HASH_START, (int)plan->status);
     hash = ssv_hash_u64(hash, plan->scenario_hash);
     hash = ssv_hash_real(hash, plan->cost);
+    hash = ssv_hash_real(hash, plan->lower_bound);
     hash = ssv_hash_real(hash, plan->time_s);
     hash = ssv_hash_real(hash, plan->impulse_Ns);
     hash = hash_candidate(hash, &plan->choice);

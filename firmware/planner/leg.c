@@ -69,10 +69,13 @@ ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move,
     *ramp = SSV_FULL_REVERSE;
     profile->num_pieces = 0;
     if (!(move->length > REAL(0))) return best;
-    for (int style = SSV_FULL_REVERSE; style <= SSV_DRAG_ONLY; style++) {
+    const int first = scenario->method == SSV_METHOD_PAPER ? SSV_FULL_REVERSE : SSV_OPTIMAL;
+    const int last = scenario->method == SSV_METHOD_PAPER ? SSV_DRAG_ONLY : SSV_OPTIMAL;
+    for (int style = first; style <= last; style++) {
         ssv_profile_t trial;
         ssv_price_t price = {SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
-        const ssv_rule_t rule = {(ssv_ramp_t)style, cutoff, REAL(0), REAL(0), REAL(0)};
+        const ssv_rule_t rule = {(ssv_ramp_t)style, cutoff, scenario->weight_time_per_s, scenario->weight_impulse_per_Ns,
+                                 REAL(0)};
         price.outcome = ssv_profile_solve(thrusts, &rule, move->length, &trial);
         if (price.outcome == SSV_FEASIBLE) {
             price.time_s = trial.duration_s;
@@ -80,7 +83,7 @@ ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move,
             price.cost = real_mul(scenario->weight_time_per_s, price.time_s) +
                          real_mul(scenario->weight_impulse_per_Ns, price.impulse_Ns);
         }
-        if (style == SSV_FULL_REVERSE || ssv_price_beats(&price, &best)) {
+        if (style == first || ssv_price_beats(&price, &best)) {
             best = price;
             *ramp = (ssv_ramp_t)style;
             *profile = trial;

@@ -33,8 +33,8 @@ pose_t ssv_move_pose(pose_t X_IS, ssv_twist_t twist, real_t s);
 /// Thrusts along a move of this assembly (DESIGN.md 4).
 void ssv_move_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assembly, ssv_twist_t twist, ssv_thrusts_t* thrusts);
 
-/// Solves the move with both ramps and keeps the cheaper. A move of length 0 costs nothing and has no pieces.
-/// @return the price; where neither ramp is feasible, why; then *profile and *ramp are not meaningful.
+/// Solves the move: with the optimal profile, or for method paper with both its ramps, keeping the cheaper. A move of length 0
+/// costs nothing and has no pieces. @return the price; where no ramp is feasible, why; then *profile and *ramp are not meaningful.
 ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
                            ssv_profile_t* profile, ssv_ramp_t* ramp);
 

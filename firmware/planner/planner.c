@@ -114,6 +114,7 @@ ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_plan_t* plan) {
         ssv_search(problem, candidate->contact, candidate->attach_height_m, &candidate->ring_angle_rad, 1, &chain, &num_priced);
         const ssv_outcome_t outcome = write_motion(problem, &chain, plan);
         if (outcome == SSV_FEASIBLE) {
+            plan->lower_bound = ssv_lower_bound(problem);
             plan->choice = *candidate;
             plan->status = SSV_OK;
             plan->plan_hash = ssv_plan_hash(plan);

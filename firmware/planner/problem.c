@@ -103,6 +103,7 @@ static void check_task(checker_t* checker, ssv_scenario_t* s) {
         fail(checker, SSV_E_WEIGHTS, "weights", -1, REAL(0), REAL(0), REAL(1000));
     }
     check(checker, "method", real_from_int((int)s->method), REAL(0), real_from_int((int)SSV_METHOD_PAPER));
+    check(checker, "effort", real_from_int((int)s->effort), REAL(0), real_from_int((int)SSV_EFFORT_BEST));
 }
 
 static void check_grasp(checker_t* checker, ssv_scenario_t* s) {

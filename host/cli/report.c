@@ -18,9 +18,9 @@ static const char* name_of(const char* const* names, size_t count, int8_t value)
 static const char* const status_names[] = {"ok", "infeasible", "invalid"};
 static const char* const phase_names[] = {"transit", "transfer"};
 static const char* const kind_names[] = {"translate", "turn", "screw"};
-static const char* const ramp_names[] = {"full_reverse", "drag_only"};
+static const char* const ramp_names[] = {"full_reverse", "drag_only", "optimal"};
 static const char* const event_names[] = {"mate", "dock"};
-static const char* const method_names[] = {"paper"};
+static const char* const method_names[] = {"optimal", "paper"};
 
 /// Appends to an array, which becomes NULL if the value is; NULL in a larger whole makes that NULL too.
 static void append(json_t** array, json_t* value) {

@@ -100,6 +100,7 @@ ssv_scenario_t task_case_study(bool ease) {
     s.p_IP_m = vec3_of(6.524, 5, 0);
     s.axis_I = vec3_of(0, -1, 0);
     s.contact = 1;
+    s.method = SSV_METHOD_PAPER;
     s.standoff_m = real_from_double(0.3025);
     return s;
 }

@@ -19,7 +19,7 @@ quat_t task_attitude(void);
 ssv_vehicle_t task_vehicle(void);
 ssv_beam_t task_beam(bool ease);
 
-/// The paper's case study (Table 4) with every choice left free, weights 1 and 1.
+/// The paper's case study (Table 4) with every choice left free, weights 1 and 1, method paper.
 ssv_scenario_t task_case_study(bool ease);
 
 /// A random task within some 8 m; half of them with bodies varied by a quarter, added mass, every kind of drag, and thrusters

@@ -107,8 +107,12 @@ typedef struct {
 
 /// What decides the free choices.
 typedef enum {
-    SSV_METHOD_PAPER = 0          ///< the paper's rule: nearest ring angle, translate then turn; turn about C then translate
+    SSV_METHOD_OPTIMAL = 0,       ///< all by J: travel attitude, pivots, ring angle, both free rolls; optimal profiles
+    SSV_METHOD_PAPER = 1          ///< the paper's rule: nearest ring angle, translate then turn; turn about C then translate
 } ssv_method_t;
+
+/// How many motions SSV_METHOD_OPTIMAL tries.
+typedef enum { SSV_EFFORT_QUICK = 0, SSV_EFFORT_BEST = 1 } ssv_effort_t;
 
 /// One question, unchecked: any value may stand here. Nothing is looked up elsewhere.
 typedef struct {
@@ -123,6 +127,7 @@ typedef struct {
     real_t weight_time_per_s;     ///< [1/s] [0, 1000] W1 of J = W1 T + W2 F (paper Eq. 16)
     real_t weight_impulse_per_Ns; ///< [1/(N s)] [0, 1000] W2; not both zero
     ssv_method_t method;
+    ssv_effort_t effort;          ///< of SSV_METHOD_OPTIMAL
     int num_attach_heights;       ///< [0, SSV_MAX_ATTACH_HEIGHTS]; 0 = the three rings +length/2, 0, -length/2 (paper Eq. 3)
     real_t attach_heights_m[SSV_MAX_ATTACH_HEIGHTS]; ///< [m] along z_B, each |h| <= length/2
     bool ring_angle_given;        ///< whether ring_angle_rad holds
@@ -160,6 +165,10 @@ ssv_status_t ssv_problem_init(ssv_problem_t* problem, const ssv_scenario_t* scen
 
 /// 64-bit hash (FNV-1a over the fields in the order declared) of a scenario, as given.
 uint64_t ssv_scenario_hash(const ssv_scenario_t* scenario);
+
+/// A price that no plan for this problem can undercut, whatever the method, from the balance of momentum (DESIGN.md 11). Costs
+/// less than a microsecond.
+real_t ssv_lower_bound(const ssv_problem_t* problem);
 
 typedef enum { SSV_TRANSIT = 0, SSV_TRANSFER = 1 } ssv_phase_t;                      ///< vehicle alone; vehicle with beam
 typedef enum { SSV_TRANSLATE = 0, SSV_TURN = 1, SSV_SCREW = 2 } ssv_leg_kind_t;
@@ -218,6 +227,7 @@ typedef struct {
     ssv_status_t status;          ///< SSV_OK or SSV_INFEASIBLE
     uint64_t scenario_hash, plan_hash;
     real_t cost;                  ///< [-] J = W1 time_s + W2 impulse_Ns
+    real_t lower_bound;           ///< [-] no plan costs less; see ssv_lower_bound
     real_t time_s;                ///< [s] start to docked
     real_t impulse_Ns;            ///< [N s]
     ssv_candidate_t choice;       ///< the candidate that costs least

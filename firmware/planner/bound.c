@@ -1,0 +1,63 @@
+#include "planner/grasp.h"
+
+#define N SSV_NUM_THRUSTERS
+
+// Least cost of a metre for the vehicle's centre. For any vector y of length Y, a motion from rest to rest costs at least
+// y . (drag_lin dx) if no attitude lets the thrusters win more from y than a second costs:
+//     sum of F max(0, Y |n . n_i| - W2) <= W1 for every unit n.
+// The |n . n_i| have squares that sum to at most the largest eigenvalue of sum n_i n_i^T, so the left side is largest with m
+// of them equal and the rest zero, for some m.
+static real_t price_per_metre(const ssv_scenario_t* s) {
+    real_t m[3][3] = {{REAL(0)}}, eigenvalue = REAL(0);
+    for (int i = 0; i < N; i++) {
+        const vec3_t v = s->vehicle.thruster[i].n_T_S;
+        const real_t n[3] = {v.x, v.y, v.z};
+        for (int r = 0; r < 3; r++) {
+            for (int c = 0; c < 3; c++) m[r][c] += real_mul(n[r], n[c]);
+        }
+    }
+    for (int r = 0; r < 3; r++) {
+        // Gershgorin: no eigenvalue is larger than the largest sum of a row.
+        eigenvalue = real_max(eigenvalue, real_abs(m[r][0]) + real_abs(m[r][1]) + real_abs(m[r][2]));
+    }
+    real_t least = REAL(0);
+    for (int k = 1; k <= N; k++) {
+        // No |n . n_i| is above 1.
+        const real_t spread = real_sqrt(real_max(REAL(1), real_div(real_from_int(k), eigenvalue)));
+        const real_t share = real_div(s->weight_time_per_s, real_mul(real_from_int(k), s->vehicle.force_max_N));
+        const real_t y = real_mul(spread, share + s->weight_impulse_per_Ns);
+        if (k == 1 || y < least) least = y;
+    }
+    return real_mul(least, s->vehicle.body.drag_lin_kg_s);
+}
+
+static bool has_drag(const ssv_beam_t* beam) {
+    return beam->drag_strip_kg_m2 > REAL(0) || beam->body.drag_lin_kg_s > REAL(0) || beam->body.drag_quad_kg_m > REAL(0);
+}
+
+real_t ssv_lower_bound(const ssv_problem_t* problem) {
+    const ssv_scenario_t* s = &problem->scenario;
+    const vec3_t p_BS = pose_mul(pose_inv(s->X_IB), s->X_IS).p;
+    const real_t off_ring = vec3_norm(vec3(p_BS.x, p_BS.y, REAL(0))) - s->standoff_m;
+    const vec3_t axis_B = quat_apply(s->X_IB.q, vec3(REAL(0), REAL(0), REAL(1)));
+    real_t least = REAL(0);
+    bool first = true;
+    for (int contact = 1; contact <= SSV_NUM_CONTACTS; contact++) {
+        if (s->contact != 0 && s->contact != contact) continue;
+        const real_t end = ssv_grasp_contact(s, contact).z;
+        for (int k = 0; k < s->num_attach_heights; k++) {
+            const real_t height = s->attach_heights_m[k];
+            // The vehicle mates on a ring about the beam and ends on the same ring about the docked beam, outward axis
+            // against the port's.
+            real_t way = vec3_norm(vec3(off_ring, REAL(0), p_BS.z - height));
+            if (!has_drag(&s->beam)) {
+                const vec3_t from = vec3_add(s->X_IB.p, vec3_scale(height, axis_B));
+                const vec3_t to = vec3_add(s->p_IP_m, vec3_scale(real_abs(end - height), s->axis_I));
+                way += real_max(REAL(0), vec3_norm(vec3_sub(to, from)) - real_mul(REAL(2), s->standoff_m));
+            }
+            if (first || way < least) least = way;
+            first = false;
+        }
+    }
+    return real_mul(price_per_metre(s), least);
+}
