@@ -17,6 +17,7 @@
 #define N SSV_NUM_THRUSTERS
 #define SEED 20261123
 #define LEGS 2000
+#define NODES 150
 #define FORCE 6.0
 
 static ssv_profile_t profile;
@@ -40,22 +41,23 @@ static double total(const ssv_thrusts_t* t, double v, double a) {
 // L of the model: what a second costs.
 static double rate(const leg_t* leg, double v, double a) { return leg->w1 + leg->w2 * total(&leg->thrusts, v, a); }
 
+// Where every thruster can hold the speed none accelerates faster than 2 FORCE / accel: this speed is out of reach.
+static double top_by_inertia(const leg_t* leg) {
+    double inertia = 0;
+    for (int i = 0; i < N; i++) inertia = fmax(inertia, fabs(leg->thrusts.accel[i]));
+    return sqrt(4 * FORCE / inertia * leg->distance);
+}
+
 // Highest speed that every thruster can hold, cap and the distance allow.
 static double top_speed(const leg_t* leg) {
     const ssv_thrusts_t* t = &leg->thrusts;
-    double inertia = 0;
-    for (int i = 0; i < N; i++) inertia = fmax(inertia, fabs(t->accel[i]));
-    double top = sqrt(4 * FORCE / inertia * leg->distance); // below that speed no thruster gives more than 2 FORCE / accel
+    double top = top_by_inertia(leg);
     if (leg->cap > 0) top = fmin(top, leg->cap);
     for (int i = 0; i < N; i++) {
+        // The drag reaches FORCE on the side where it starts or, if it turns, on the other.
         const double p = fabs(t->linear[i]), q = t->linear[i] < 0 ? -t->quadratic[i] : t->quadratic[i];
-        // p v + q v^2 = FORCE, or -FORCE on the far side of where the two drags cancel.
         const double disc = p * p + 4 * q * FORCE;
-        if (disc >= 0) {
-            if (p + sqrt(disc) > 0) top = fmin(top, 2 * FORCE / (p + sqrt(disc)));
-        } else {
-            continue;
-        }
+        if (disc >= 0 && p + sqrt(disc) > 0) top = fmin(top, 2 * FORCE / (p + sqrt(disc)));
         if (q < 0) top = fmin(top, (p + sqrt(p * p - 4 * q * FORCE)) / (-2 * q));
     }
     return top;
@@ -89,70 +91,88 @@ static double cheapest(const leg_t* leg, double price, double v, bool up, double
     return best;
 }
 
-// Cost of the leg with this peak speed; infinite if the ramps alone are longer than the leg.
-static double cost_of_peak(const leg_t* leg, double peak, int nodes) {
-    const double price = rate(leg, peak, 0) / peak;
-    double cost = price * leg->distance, rest = leg->distance;
-    for (int k = 0; k < nodes; k++) {
-        const double x = (k + 0.5) / nodes; // nodes gather at rest and at the peak
-        const double v = peak * x * x * (3 - 2 * x), dv = peak * 6 * x * (1 - x) / nodes;
+// The least cost of speeding up to this peak and slowing again, less price per metre of it; *reach [m] of these ramps.
+static double ramps(const leg_t* leg, double price, double peak, double* reach) {
+    double cost = 0;
+    *reach = 0;
+    for (int k = 0; k < NODES; k++) {
+        const double x = (k + 0.5) / NODES; // nodes gather at rest and at the peak
+        const double v = peak * x * x * (3 - 2 * x), dv = peak * 6 * x * (1 - x) / NODES;
         for (int up = 0; up < 2; up++) {
             double a = INFINITY;
             cost += dv * cheapest(leg, price, v, up != 0, &a);
-            rest -= dv * v / a;
+            *reach += dv * v / a;
         }
     }
-    return rest >= 0 ? cost : INFINITY;
+    return cost;
 }
 
-// Where f is least in [low, high]; f has one minimum, or falls up to a point beyond which it is infinite.
-static double golden(double (*f)(const leg_t*, double, int), const leg_t* leg, int nodes, double low, double high, int steps) {
+// Cost of the leg with this peak speed. Cruise at the peak sets the price of distance; where the ramps alone would be longer
+// than the leg, the price is the lower one at which they fit. That is where price * distance + ramps is greatest.
+static double cost_of_peak(const leg_t* leg, double peak) {
+    double reach, high = rate(leg, peak, 0) / peak, low = -10 * high;
+    double cost = high * leg->distance + ramps(leg, high, peak, &reach);
+    if (reach <= leg->distance) return cost;
+    for (int n = 0; n < 22; n++) {
+        const double price = (low + high) / 2;
+        cost = fmax(cost, price * leg->distance + ramps(leg, price, peak, &reach));
+        if (reach > leg->distance) {
+            high = price;
+        } else {
+            low = price;
+        }
+    }
+    return cost;
+}
+
+// Where f, which has one minimum, is least in [low, high].
+static double golden(double (*f)(const leg_t*, double), const leg_t* leg, double low, double high, int steps) {
     const double g = 0.6180339887498949;
     double x0 = high - g * (high - low), x1 = low + g * (high - low);
-    double f0 = f(leg, x0, nodes), f1 = f(leg, x1, nodes);
+    double f0 = f(leg, x0), f1 = f(leg, x1);
     for (int n = 0; n < steps; n++) {
         if (f0 <= f1) {
             high = x1;
             x1 = x0;
             f1 = f0;
             x0 = high - g * (high - low);
-            f0 = f(leg, x0, nodes);
+            f0 = f(leg, x0);
         } else {
             low = x0;
             x0 = x1;
             f0 = f1;
             x1 = low + g * (high - low);
-            f1 = f(leg, x1, nodes);
+            f1 = f(leg, x1);
         }
     }
     return f0 <= f1 ? x0 : x1;
 }
 
-static double cruise_price(const leg_t* leg, double v, int unused) {
-    (void)unused;
-    return rate(leg, v, 0) / v;
-}
+static double cruise_price(const leg_t* leg, double v) { return rate(leg, v, 0) / v; }
 
-static double by_peak(const leg_t* leg, int nodes) {
+static double by_peak(const leg_t* leg) {
     const double top = top_speed(leg);
-    double fastest = golden(cruise_price, leg, 0, 0, top, 60);
-    if (cruise_price(leg, top, 0) <= cruise_price(leg, fastest, 0)) fastest = top;
-    double best = cost_of_peak(leg, fastest, nodes), at = fastest;
-    for (int k = 1; k < 32; k++) {
-        const double peak = fastest * pow(2, -k / 2.0), cost = cost_of_peak(leg, peak, nodes);
+    double fastest = golden(cruise_price, leg, 0, top, 60);
+    if (cruise_price(leg, top) <= cruise_price(leg, fastest)) fastest = top;
+    double best = INFINITY, at = fastest, before = INFINITY;
+    for (int k = 0; k < 32; k++) {
+        const double peak = fastest * pow(2, -k / 2.0), cost = cost_of_peak(leg, peak);
         if (cost < best) {
             best = cost;
             at = peak;
         }
+        if (cost > 2 * best && cost > before) break; // the peak is too low for good
+        before = cost;
     }
-    const double low = at / sqrt(2), high = fmin(at * sqrt(2), fastest);
-    return fmin(best, cost_of_peak(leg, golden(cost_of_peak, leg, nodes, low, high, 24), nodes));
+    return fmin(best, cost_of_peak(leg, golden(cost_of_peak, leg, at / sqrt(2), fmin(at * sqrt(2), fastest), 16)));
 }
 
 // ---- Oracle: dynamic programming over stages of distance ------------------------------------------------------------------
 
 #define MAX_STAGES 640
-#define MESH 33
+#define FEW_STAGES 20
+#define MESH 25
+#define ROUNDS 50
 
 // From speed v0 to v1 over a short distance with the thrust of the middle; infinite beyond the limits.
 static double hop(const leg_t* leg, double v0, double v1, double ds) {
@@ -167,8 +187,9 @@ static double hop(const leg_t* leg, double v0, double v1, double ds) {
     return (leg->w1 + leg->w2 * sum) * ds / v;
 }
 
-// The best sequence of speeds on a mesh around v[], at most width above and below it; replaces v[]. Returns its cost.
-static double best_on_mesh(const leg_t* leg, int stages, const double* s, double top, const double* width, double* v) {
+// The best sequence of speeds on a mesh around v[], at most width[] above and below it, takes the place of v[], and the mesh
+// shrinks where it was not left at its rim. Returns the cost.
+static double best_on_mesh(const leg_t* leg, int stages, const double* s, double top, double* width, double* v) {
     static double mesh[MAX_STAGES + 1][MESH], cost[MESH], next[MESH];
     static unsigned char from[MAX_STAGES + 1][MESH];
     for (int n = 0; n <= stages; n++) {
@@ -197,25 +218,297 @@ static double best_on_mesh(const leg_t* leg, int stages, const double* s, double
     if (best == INFINITY) return best;
     for (int n = stages; n > 0; n--) {
         v[n] = mesh[n][k];
+        if (k > 1 && k < MESH - 2) width[n] *= 0.8;
         k = from[n][k];
     }
     return best;
 }
 
-static double by_stages(const leg_t* leg, int stages) {
+static double by_stages(const leg_t* leg, int finest) {
     static double s[MAX_STAGES + 1], v[MAX_STAGES + 1], width[MAX_STAGES + 1];
     const double top = top_speed(leg);
-    for (int n = 0; n <= stages; n++) {
-        const double x = (double)n / stages;
-        s[n] = leg->distance * x * x * (3 - 2 * x);
-        v[n] = width[n] = top / 2;
-    }
     double best = INFINITY;
-    for (int round = 0; round < 40; round++) {
-        best = fmin(best, best_on_mesh(leg, stages, s, top, width, v));
-        for (int n = 0; n <= stages; n++) width[n] *= 0.75;
+    for (int stages = FEW_STAGES; stages <= finest; stages *= 2) {
+        const bool first = stages == FEW_STAGES;
+        if (!first) {
+            for (int n = stages; n > 0; n--) v[n] = n % 2 == 0 ? v[n / 2] : (v[n / 2] + v[n / 2 + 1]) / 2;
+        }
+        for (int n = 0; n <= stages; n++) {
+            const double x = (double)n / stages, shape = x * x * (3 - 2 * x);
+            const double limit = fmin(top, sqrt(fmin(shape, 1 - shape)) * top_by_inertia(leg));
+            s[n] = leg->distance * shape; // stages gather at both ends
+            if (first) v[n] = limit / 2;
+            width[n] = first ? limit / 2 : limit / 4;
+        }
+        best = INFINITY;
+        for (int round = 0; round < ROUNDS; round++) best = fmin(best, best_on_mesh(leg, stages, s, top, width, v));
     }
     return best;
 }
 
-int main(void) { return 0; }
+// ---- The legs -------------------------------------------------------------------------------------------------------------
+
+// The SSV along and about one of its axes: Tables 1 and 2 of the paper on the default thrusters.
+static ssv_thrusts_t straight(void) {
+    const ssv_thrusts_t t = {{76.2 / 2, -76.2 / 2}, {413.685 / 2, -413.685 / 2}, {0}, FORCE};
+    return t;
+}
+
+static ssv_thrusts_t turning(void) {
+    const double k = 1 / (2 * 0.3025);
+    const ssv_thrusts_t t = {{0, 0, 2.7 * k, 2.7 * k}, {0}, {0, 0, 2.2 * k, 2.2 * k}, FORCE};
+    return t;
+}
+
+// A quarter turn of the mated pair about its centre, and about the vehicle's.
+static const ssv_thrusts_t pair_about_C = {{0, 0, 58.494, 58.494, 0, 0},
+                                           {-40.909, 40.909, -8.120, 8.120, 0, 0},
+                                           {257.16, -257.16, 1989.69, 1989.69, 0, 0},
+                                           FORCE};
+static const ssv_thrusts_t pair_about_S = {
+    {8.659, -8.659, 66.097, 62.660, 0, 0}, {0}, {312.88, -312.88, 2389.74, 2372.42, 0, 0}, FORCE};
+static const ssv_thrusts_t without_drag = {{10, 5, 0, -10, 2, 1}, {0}, {0}, FORCE};
+// Drag of thruster 0 cancels at 0.05: a coast on it approaches that speed and never passes it.
+static const ssv_thrusts_t cancelling = {{30, -25, 4, 9, 0, -2}, {20, -90, 15, 0, 3, 1}, {-400, 0, 60, 25, 9, 0}, FORCE};
+
+// Six unequal thrusters, inertia and drag over three decades; some do not act, some mirror each other, some feel no drag.
+static ssv_thrusts_t random_thrusts(void) {
+    const double inertia = pow(10, task_between(-1, 2));
+    const double linear = task_below(4) == 0 ? 0 : inertia * pow(10, task_between(-1.5, 1.5));
+    const double quadratic = task_below(4) == 0 ? 0 : inertia * pow(10, task_between(-1.5, 1.5));
+    ssv_thrusts_t t = {.force_max_N = FORCE};
+    for (int i = 0; i < N; i++) {
+        const double share = task_between(-1, 1); // of inertia and, for most thrusters, of the drag against the motion
+        const bool against = task_below(4) > 0;
+        t.accel[i] = task_below(8) == 0 ? 0 : inertia * share;
+        t.linear[i] = linear * (against ? share * task_between(0.2, 1) : 0.3 * task_between(-1, 1));
+        t.quadratic[i] = quadratic * (against ? share * task_between(0.2, 1) : 0.3 * task_between(-1, 1));
+        if (task_below(8) == 0) t.linear[i] = t.quadratic[i] = 0;
+    }
+    if (task_below(4) == 0) {
+        for (int i = 0; i < N; i += 2) {
+            t.accel[i + 1] = -t.accel[i];
+            t.linear[i + 1] = -t.linear[i];
+            t.quadratic[i + 1] = -t.quadratic[i];
+        }
+    }
+    return t;
+}
+
+static leg_t random_leg(int n) {
+    static const double weights[][2] = {{1, 0}, {1, 0.1}, {1, 1}, {0.01, 1}};
+    leg_t leg = {.distance = pow(10, task_between(-2, 1.5))};
+    double inertia = 0;
+    while (inertia == 0) {
+        leg.thrusts = random_thrusts();
+        for (int i = 0; i < N; i++) inertia += fabs(leg.thrusts.accel[i]);
+    }
+    const double w2 = pow(10, task_between(-2, 2)), w1 = w2 * pow(10, task_between(-2.9, 2));
+    leg.w1 = n % 5 < 4 ? weights[n % 5][0] : w1;
+    leg.w2 = n % 5 < 4 ? weights[n % 5][1] : w2;
+    const double cap = top_speed(&leg) * task_between(0.05, 1);
+    leg.cap = task_below(4) == 0 ? cap : 0;
+    return leg;
+}
+
+// The whole leg, for a failure to be run by itself.
+static const char* name_of(int n, const leg_t* leg) {
+    static char text[1024];
+    const ssv_thrusts_t* t = &leg->thrusts;
+    int used = snprintf(text, sizeof text, "seed %d, leg %d: weights %.17g, %.17g, cap %.17g, distance %.17g; thrusts", SEED, n,
+                        leg->w1, leg->w2, leg->cap, leg->distance);
+    for (int i = 0; i < N; i++) {
+        used += snprintf(text + used, sizeof text - (size_t)used, " {%.17g, %.17g, %.17g}", t->accel[i], t->linear[i],
+                         t->quadratic[i]);
+    }
+    return text;
+}
+
+static ssv_outcome_t solve(const leg_t* leg) {
+    const ssv_rule_t rule = {SSV_OPTIMAL, 0, leg->w1, leg->w2, leg->cap};
+    return ssv_profile_solve(&leg->thrusts, &rule, leg->distance, &profile);
+}
+
+static double price(const leg_t* leg) { return leg->w1 * profile.duration_s + leg->w2 * profile.impulse_Ns; }
+
+// ---- Tests ----------------------------------------------------------------------------------------------------------------
+
+static void agree(int n, const leg_t* leg) {
+    const double coarse = by_stages(leg, 80), fine = by_stages(leg, 160);
+    const double expected = fine + (fine - coarse) / 3; // the middle's thrust is off with the square of the stage
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(5e-4 * expected, expected, by_peak(leg), name_of(n, leg));
+}
+
+static void test_the_two_oracles_agree(void) {
+    const double quarter = acos(-1) / 2;
+    const leg_t legs[] = {
+        {straight(), 1, 0, 0, 0.3025},      {straight(), 0.01, 1, 0, 0.05}, {turning(), 1, 0, 0, quarter},
+        {turning(), 1, 1, 0, quarter},      {turning(), 1, 0.1, 0.3, quarter}, {pair_about_C, 1, 1, 0, quarter},
+        {pair_about_C, 0.01, 1, 0, 0.2},    {pair_about_S, 1, 1, 0, quarter}, {without_drag, 1, 0.1, 0, 2.5},
+        {without_drag, 0.1, 1, 0.05, 2.5},  {cancelling, 1, 1, 0, 0.3},     {cancelling, 0.1, 1, 0, 3},
+    };
+    for (int n = 0; n < (int)(sizeof legs / sizeof *legs); n++) agree(-1 - n, &legs[n]);
+    task_seed(SEED);
+    for (int n = 0; n < 20; n++) {
+        const leg_t leg = random_leg(n);
+        agree(n, &leg);
+    }
+}
+
+static void test_random_legs_cost_what_the_oracle_says(void) {
+    double worst = 0;
+    task_seed(SEED);
+    for (int n = 0; n < LEGS; n++) {
+        const leg_t leg = random_leg(n);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(SSV_FEASIBLE, solve(&leg), name_of(n, &leg));
+        const double expected = by_peak(&leg);
+        worst = fmax(worst, fabs(price(&leg) / expected - 1));
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-4 * expected, expected, price(&leg), name_of(n, &leg));
+    }
+    printf("seed %d: %d legs, largest difference in J %.1e\n", SEED, LEGS, worst);
+}
+
+// What the pieces say must be so: they join, cover the distance within every limit, and take what is claimed.
+static void test_random_legs_join_keep_their_limits_and_add_up(void) {
+    task_seed(SEED);
+    for (int n = 0; n < LEGS; n++) {
+        const leg_t leg = random_leg(n);
+        const ssv_thrusts_t* t = &leg.thrusts;
+        const char* name = name_of(n, &leg);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(SSV_FEASIBLE, solve(&leg), name);
+        double time = 0, distance = 0, impulse = 0, speed = 0;
+        for (int k = 0; k < profile.num_pieces; k++) {
+            const ssv_piece_t* piece = &profile.piece[k];
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * profile.duration_s, time, piece->t_s, name);
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-5 * leg.distance, distance, piece->s, name);
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-12 * profile.peak_speed, speed, piece->v_start, name);
+            TEST_ASSERT_TRUE_MESSAGE(piece->duration_s >= 0, name);
+            const int steps = 200;
+            double t_from = 0, v_from = piece->v_start;
+            for (int j = 1; j <= steps; j++) {
+                const double x = (double)j / steps, t_to = piece->duration_s * x * x * (3 - 2 * x), h = t_to - t_from;
+                const double v = ssv_piece_speed(piece, t_from + h / 2), v_to = ssv_piece_speed(piece, t_to);
+                const double a = piece->law[0] + v * (piece->law[1] + v * piece->law[2]);
+                for (int i = 0; i < N; i++) {
+                    TEST_ASSERT_TRUE_MESSAGE(fabs(t->accel[i] * a + drag(t, i, v)) <= FORCE * (1 + 1e-9), name);
+                }
+                distance += h / 6 * (v_from + 4 * v + v_to);
+                impulse += h * total(t, v, a);
+                t_from = t_to;
+                v_from = v_to;
+            }
+            speed = piece->v_end;
+            time += piece->duration_s;
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * profile.peak_speed, speed, v_from, name);
+        }
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-12 * profile.peak_speed, 0, speed, name);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-5 * leg.distance, leg.distance, distance, name);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * time, time, profile.duration_s, name);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-3 * impulse + 1e-9, impulse, profile.impulse_Ns, name); // the midpoint rule
+    }
+}
+
+static void test_optimal_leg_never_costs_more_than_either_ramp_of_the_paper(void) {
+    static ssv_profile_t ramped;
+    int compared = 0;
+    task_seed(SEED);
+    for (int n = 0; n < LEGS; n++) {
+        leg_t leg = random_leg(n);
+        leg.cap = 0;
+        TEST_ASSERT_EQUAL_INT_MESSAGE(SSV_FEASIBLE, solve(&leg), name_of(n, &leg));
+        const double cutoff = pow(10, task_between(-4, -1));
+        for (int ramp = SSV_FULL_REVERSE; ramp <= SSV_DRAG_ONLY; ramp++) {
+            const ssv_rule_t rule = {.ramp = (ssv_ramp_t)ramp, .cutoff = cutoff};
+            if (ssv_profile_solve(&leg.thrusts, &rule, leg.distance, &ramped) != SSV_FEASIBLE) continue;
+            compared++;
+            // Cruise at terminal speed keeps a margin of 6e-8.
+            const double cost = leg.w1 * ramped.duration_s + leg.w2 * ramped.impulse_Ns;
+            TEST_ASSERT_TRUE_MESSAGE(price(&leg) <= cost * (1 + 1e-7), name_of(n, &leg));
+        }
+    }
+    TEST_ASSERT_TRUE(compared > LEGS);
+}
+
+static void check(const ssv_thrusts_t* thrusts, double w1, double w2, double distance, const double expected[3],
+                  const double within[3]) {
+    const leg_t leg = {*thrusts, w1, w2, 0, distance};
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, solve(&leg));
+    TEST_ASSERT_DOUBLE_WITHIN(within[0], expected[0], profile.duration_s);
+    TEST_ASSERT_DOUBLE_WITHIN(within[1], expected[1], profile.impulse_Ns);
+    TEST_ASSERT_DOUBLE_WITHIN(within[2], expected[2], price(&leg));
+}
+
+static void test_check_values_of_the_model_come_out_to_their_digits(void) {
+    const ssv_thrusts_t along = straight(), about = turning();
+    const double quarter = acos(-1) / 2;
+    const struct {
+        const ssv_thrusts_t* thrusts;
+        double w1, w2, distance, expected[3], within[3]; // T, F, J
+    } row[] = {
+        {&along, 1, 0, 6.524, {225.162, 2701.95, 225.162}, {5e-4, 5e-3, 5e-4}},
+        // By hand, with v_t = 12 N / C, tau = m / C and a coast that ends at v_c = 1 / (C + 13 / v_t): T = D / v_t + tau (1 +
+        // ln(v_t / v_c) - (1 - v_c / v_t) + 2 ln(1 + v_c / v_t) - v_c / v_t) = 225.5142; the model's table has 225.516.
+        {&along, 1, 1, 6.524, {225.5142, 2699.05, 2924.57}, {5e-5, 5e-3, 5e-3}},
+        {&along, 1, 0, 0.3025, {10.6837, 128.204, 10.6837}, {5e-5, 5e-4, 5e-5}},
+        {&about, 1, 0, quarter, {2.26669, 27.2003, 2.26669}, {5e-6, 5e-5, 5e-6}},
+        {&about, 1, 0.1, quarter, {2.680, 16.215, 4.3019}, {5e-4, 5e-3, 5e-5}},
+        {&about, 1, 1, quarter, {6.22, 5.93, 12.152}, {5e-3, 5e-3, 5e-4}},
+        {&pair_about_C, 1, 1, quarter, {93.6, 222.1, 315.75}, {0.05, 0.05, 2e-4 * 315.75}},
+        {&pair_about_S, 1, 1, quarter, {116.5, 116.3, 232.81}, {0.05, 0.05, 2e-4 * 232.81}},
+    };
+    for (int n = 0; n < (int)(sizeof row / sizeof *row); n++) {
+        check(row[n].thrusts, row[n].w1, row[n].w2, row[n].distance, row[n].expected, row[n].within);
+    }
+}
+
+static void test_speed_cap_is_kept_and_costs_the_more_the_lower_it_is(void) {
+    leg_t leg = {turning(), 1, 0.1, 0, 3};
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, solve(&leg));
+    const double free_speed = profile.peak_speed, free_price = price(&leg);
+    leg.cap = 2 * free_speed;
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, solve(&leg));
+    TEST_ASSERT_EQUAL_DOUBLE(free_price, price(&leg));
+    double before = free_price;
+    for (double share = 0.9; share > 0.05; share -= 0.1) {
+        leg.cap = share * free_speed;
+        TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, solve(&leg));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6 * leg.cap, leg.cap, profile.peak_speed);
+        TEST_ASSERT_TRUE(profile.peak_speed <= leg.cap);
+        TEST_ASSERT_TRUE(price(&leg) > before);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * price(&leg), by_peak(&leg), price(&leg));
+        before = price(&leg);
+    }
+}
+
+static void test_leg_without_drag_flies_on_with_no_thrust_between_its_bursts(void) {
+    // J(p) = W1 (D / p + p / a) + 2 W2 sum|A| p with a = FORCE / 10 is least where p^2 (W1 / a + 56 W2) = W1 D.
+    const leg_t leg = {without_drag, 0.1, 1, 0, 2.5};
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, solve(&leg));
+    const double least = 2 * sqrt(0.1 * 2.5 * (0.1 / 0.6 + 56));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * least, least, price(&leg));
+}
+
+static void test_leg_for_which_time_costs_nothing_still_ends(void) {
+    // Planned as if a second cost 1e-3 N times the impulse's weight.
+    leg_t leg = {turning(), 0, 2, 0, acos(-1) / 2};
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, solve(&leg));
+    const double time = profile.duration_s, impulse = profile.impulse_Ns;
+    TEST_ASSERT_TRUE(isfinite(time) && time > 0);
+    leg.w1 = 2e-3;
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, solve(&leg));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9 * time, profile.duration_s, time);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9 * impulse, profile.impulse_Ns, impulse);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_the_two_oracles_agree);
+    RUN_TEST(test_random_legs_cost_what_the_oracle_says);
+    RUN_TEST(test_random_legs_join_keep_their_limits_and_add_up);
+    RUN_TEST(test_optimal_leg_never_costs_more_than_either_ramp_of_the_paper);
+    RUN_TEST(test_check_values_of_the_model_come_out_to_their_digits);
+    RUN_TEST(test_speed_cap_is_kept_and_costs_the_more_the_lower_it_is);
+    RUN_TEST(test_leg_without_drag_flies_on_with_no_thrust_between_its_bursts);
+    RUN_TEST(test_leg_for_which_time_costs_nothing_still_ends);
+    return UNITY_END();
+}
