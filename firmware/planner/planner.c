@@ -93,26 +93,32 @@ static int cheapest(const ssv_plan_t* plan) {
     return best;
 }
 
+static void search(const ssv_problem_t* problem, int contact, real_t height_m, ssv_chain_t* chain, int* num_priced) {
+    if (problem->scenario.method == SSV_METHOD_PAPER) {
+        ssv_search_paper(problem, contact, height_m, chain, num_priced);
+    } else {
+        ssv_search_optimal(problem, contact, height_m, chain, num_priced);
+    }
+}
+
 ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_plan_t* plan) {
     const ssv_scenario_t* scenario = &problem->scenario;
-    real_t ring[SSV_NUM_RING_ANGLES];
-    const int num_rings = ssv_grasp_ring_angles(scenario, ring);
-    ssv_chain_t chain;
+    ssv_chain_t chain, best;
     memset(plan, 0, sizeof *plan);
     plan->scenario_hash = problem->scenario_hash;
+    best.price.outcome = SSV_TOO_LONG;
     for (int contact = 1; contact <= SSV_NUM_CONTACTS; contact++) {
         if (scenario->contact != 0 && scenario->contact != contact) continue;
         for (int k = 0; k < scenario->num_attach_heights; k++) {
-            ssv_search(problem, contact, scenario->attach_heights_m[k], ring, num_rings, &chain, &plan->num_priced);
+            search(problem, contact, scenario->attach_heights_m[k], &chain, &plan->num_priced);
+            if (ssv_price_beats(&chain.price, &best.price)) best = chain;
             plan->candidate[plan->num_candidates++] = candidate_of(&chain);
         }
     }
-    // A candidate may still fail to fit the plan's memory; then the next best is written.
+    // A candidate may still fail to fit the plan's memory; then the next best is searched once more and written.
     for (int k = cheapest(plan); k >= 0; k = cheapest(plan)) {
         ssv_candidate_t* candidate = &plan->candidate[k];
-        int num_priced = 0;
-        ssv_search(problem, candidate->contact, candidate->attach_height_m, &candidate->ring_angle_rad, 1, &chain, &num_priced);
-        const ssv_outcome_t outcome = write_motion(problem, &chain, plan);
+        const ssv_outcome_t outcome = write_motion(problem, &best, plan);
         if (outcome == SSV_FEASIBLE) {
             plan->lower_bound = ssv_lower_bound(problem);
             plan->choice = *candidate;
@@ -122,6 +128,9 @@ ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_plan_t* plan) {
         }
         candidate->outcome = outcome;
         candidate->time_s = candidate->impulse_Ns = candidate->cost = REAL(0);
+        const int next = cheapest(plan);
+        int num_priced = 0;
+        if (next >= 0) search(problem, plan->candidate[next].contact, plan->candidate[next].attach_height_m, &best, &num_priced);
     }
     const int num_priced = plan->num_priced, num_candidates = plan->num_candidates;
     ssv_candidate_t candidates[SSV_MAX_CANDIDATES];

@@ -15,10 +15,12 @@
 // rounding only.
 #define PROBE REAL(9.3132257461547852e-10)
 
+// How closely two ramps without a cruise cover their leg, as a fraction of it.
+#define PEAK_TOLERANCE REAL(1e-11)
 // Time never counts less than this many newtons of thrust: without a price on it no leg would end.
 #define TIME_PRICE_MIN_N REAL(1e-3)
 // A short optimal leg's ramps cover the distance to within twice this fraction, cruising the rest: in J that is its square.
-#define SHORT_BY REAL(5e-7)
+#define SHORT_BY REAL(1e-4)
 
 real_t ssv_piece_speed(const ssv_piece_t* piece, real_t t_s) {
     if (piece->v_start == piece->v_end) return piece->v_start;
@@ -41,6 +43,11 @@ void ssv_piece_thrust(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, in
 
 typedef enum { SPEED_UP, BRAKE, COAST, THRIFTY_UP, THRIFTY_SLOW } policy_t;
 
+typedef struct {
+    real_t c[3];
+    real_t noise; // differences from another law below the sum of both noises are rounding
+} law_t;
+
 // Laws that a leg's thrusters can be bound to: up[i] and brake[i] put thruster i at its limit, idle[i] gives it no thrust.
 typedef struct {
     const ssv_thrusts_t* thrusts;
@@ -48,73 +55,82 @@ typedef struct {
     real_t total; // sum of |accel|
     real_t weight_time, weight_impulse, lambda; // of the thrifty policies; lambda is the marginal cost of distance
     bool acts[N];
-    real_t up[N][3], brake[N][3], idle[N][3];
+    law_t up[N], brake[N], idle[N];
 } laws_t;
 
 static bool laws_init(const ssv_thrusts_t* thrusts, laws_t* laws) {
     real_t largest = REAL(0);
     for (int i = 0; i < N; i++) largest = real_max(largest, real_abs(thrusts->accel[i]));
     laws->thrusts = thrusts;
-    laws->top = laws->total = REAL(0);
+    laws->top = laws->total = REAL(0); // only values are compared until laws_up_to
     for (int i = 0; i < N; i++) {
         const real_t A = thrusts->accel[i];
         laws->acts[i] = real_abs(A) > real_mul(SAME_LAW, largest);
         if (!laws->acts[i]) continue;
         const real_t limit = real_div(thrusts->force_max_N, real_abs(A));
         laws->total += real_abs(A);
-        laws->idle[i][0] = REAL(0);
-        laws->idle[i][1] = -real_div(thrusts->linear[i], A);
-        laws->idle[i][2] = -real_div(thrusts->quadratic[i], A);
-        for (int k = 0; k < 3; k++) {
-            laws->up[i][k] = laws->idle[i][k] + (k == 0 ? limit : REAL(0));
-            laws->brake[i][k] = laws->idle[i][k] - (k == 0 ? limit : REAL(0));
-        }
+        const real_t c1 = -real_div(thrusts->linear[i], A), c2 = -real_div(thrusts->quadratic[i], A);
+        laws->idle[i] = (law_t){{REAL(0), c1, c2}, REAL(0)};
+        laws->up[i] = (law_t){{limit, c1, c2}, REAL(0)};
+        laws->brake[i] = (law_t){{-limit, c1, c2}, REAL(0)};
     }
     return largest > REAL(0);
 }
 
+// Sets the speed that the laws are looked at up to.
+static void laws_up_to(laws_t* laws, real_t top) {
+    laws->top = top;
+    for (int i = 0; i < N; i++) {
+        if (!laws->acts[i]) continue;
+        law_t* const law[3] = {&laws->up[i], &laws->brake[i], &laws->idle[i]};
+        for (int k = 0; k < 3; k++) law[k]->noise = real_mul(SAME_LAW, ssv_quadratic_size(law[k]->c, top));
+    }
+}
+
 // Sign of a - b just beyond speed v: by value, then slope, then curvature, each only if it is more than rounding. Laws of
 // thrusters that mirror each other often agree at v and part later.
-static int compare(const laws_t* laws, const real_t a[3], const real_t b[3], real_t v) {
-    const real_t top = laws->top, noise = real_mul(SAME_LAW, ssv_quadratic_size(a, top) + ssv_quadratic_size(b, top));
-    const real_t d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    const real_t curve = real_mul(d[2], real_sq(top));
-    const real_t slope = real_mul(top, d[1] + real_mul(REAL(2), real_mul(d[2], v)));
-    const real_t value = ssv_quadratic_at(d, v);
-    const real_t first = real_abs(value) > noise ? value : real_abs(slope) > noise ? slope : curve;
-    return real_abs(first) <= noise ? 0 : first > REAL(0) ? 1 : -1;
+static int compare(const laws_t* laws, const law_t* a, const law_t* b, real_t v) {
+    const real_t noise = a->noise + b->noise;
+    const real_t d[3] = {a->c[0] - b->c[0], a->c[1] - b->c[1], a->c[2] - b->c[2]};
+    real_t first = ssv_quadratic_at(d, v);
+    if (real_abs(first) <= noise) {
+        first = real_mul(laws->top, d[1] + real_mul(REAL(2), real_mul(d[2], v)));
+        if (real_abs(first) <= noise) first = real_mul(d[2], real_sq(laws->top));
+        if (real_abs(first) <= noise) return 0;
+    }
+    return first > REAL(0) ? 1 : -1;
 }
 
 // The tightest limit just beyond speed v.
-static const real_t* limit_at(const laws_t* laws, bool up, real_t v) {
-    const real_t* best = NULL;
+static const law_t* limit_at(const laws_t* laws, bool up, real_t v) {
+    const law_t* best = NULL;
     for (int i = 0; i < N; i++) {
         if (!laws->acts[i]) continue;
-        const real_t* law = up ? laws->up[i] : laws->brake[i];
+        const law_t* law = up ? &laws->up[i] : &laws->brake[i];
         if (best == NULL || (up ? compare(laws, law, best, v) < 0 : compare(laws, law, best, v) > 0)) best = law;
     }
     return best;
 }
 
 // Total height of the kinks at or below a law just beyond speed v.
-static real_t kinks_below(const laws_t* laws, const real_t law[3], real_t v) {
+static real_t kinks_below(const laws_t* laws, const law_t* law, real_t v) {
     real_t sum = REAL(0);
     for (int i = 0; i < N; i++) {
-        if (laws->acts[i] && compare(laws, laws->idle[i], law, v) <= 0) sum += real_abs(laws->thrusts->accel[i]);
+        if (laws->acts[i] && compare(laws, &laws->idle[i], law, v) <= 0) sum += real_abs(laws->thrusts->accel[i]);
     }
     return sum;
 }
 
 // Least sum of |u_i|: that sum is convex and piecewise linear in a with a kink of height |accel_i| where u_i = 0, so the
 // minimum is the weighted median of the kinks. Of equal ones the stronger braking is taken.
-static const real_t* coast_at(const laws_t* laws, real_t v) {
+static const law_t* coast_at(const laws_t* laws, real_t v) {
     const real_t half = real_mul(REAL(0.5) - SAME_LAW, laws->total);
-    const real_t* best = limit_at(laws, false, v);
+    const law_t* best = limit_at(laws, false, v);
     if (kinks_below(laws, best, v) >= half) return best;
     best = NULL;
     for (int i = 0; i < N; i++) {
-        if (!laws->acts[i] || kinks_below(laws, laws->idle[i], v) < half) continue;
-        if (best == NULL || compare(laws, laws->idle[i], best, v) < 0) best = laws->idle[i];
+        if (!laws->acts[i] || kinks_below(laws, &laws->idle[i], v) < half) continue;
+        if (best == NULL || compare(laws, &laws->idle[i], best, v) < 0) best = &laws->idle[i];
     }
     return best;
 }
@@ -133,26 +149,26 @@ static real_t cost_rate(const laws_t* laws, real_t v, real_t a) {
 
 // The law with the least (L(v, a) - lambda v) / |a|, which the optimality conditions ask for: that is convex over linear in a,
 // so a limit or a kink where some thruster idles.
-static const real_t* thrifty_at(const laws_t* laws, bool up, real_t v) {
-    const real_t* limit = limit_at(laws, up, v);
-    const real_t* best = limit;
+static const law_t* thrifty_at(const laws_t* laws, bool up, real_t v) {
+    const law_t* limit = limit_at(laws, up, v);
+    const law_t* best = limit;
     const real_t at = real_min(v + real_mul(PROBE, laws->top), laws->top), distance_value = real_mul(laws->lambda, at);
-    const real_t limit_a = ssv_quadratic_at(limit, at);
+    const real_t limit_a = ssv_quadratic_at(limit->c, at);
     real_t best_cost = cost_rate(laws, at, limit_a) - distance_value, best_a = real_abs(limit_a);
     for (int i = 0; i < N; i++) {
         if (!laws->acts[i]) continue;
-        const real_t a = ssv_quadratic_at(laws->idle[i], at);
+        const real_t a = ssv_quadratic_at(laws->idle[i].c, at);
         if (up ? a <= REAL(0) || a >= limit_a : a >= REAL(0) || a <= limit_a) continue;
         const real_t cost = cost_rate(laws, at, a) - distance_value;
         if (real_mul(cost, best_a) >= real_mul(best_cost, real_abs(a))) continue;
-        best = laws->idle[i];
+        best = &laws->idle[i];
         best_cost = cost;
         best_a = real_abs(a);
     }
     return best;
 }
 
-static const real_t* law_at(const laws_t* laws, policy_t policy, real_t v) {
+static const law_t* law_at(const laws_t* laws, policy_t policy, real_t v) {
     switch (policy) {
         case COAST: return coast_at(laws, v);
         case THRIFTY_UP: return thrifty_at(laws, true, v);
@@ -165,9 +181,9 @@ static const real_t* law_at(const laws_t* laws, policy_t policy, real_t v) {
 
 // Along its law a thrifty policy changes where a line of L - lambda v, drawn on from the kink towards a = 0, meets zero
 // there: then the next kink on that side is as good. With the signs of all thrusts held that line is quadratic in v.
-static real_t next_balance(const laws_t* laws, bool up, const real_t law[3], real_t from, real_t to) {
+static real_t next_balance(const laws_t* laws, bool up, const law_t* law, real_t from, real_t to) {
     const ssv_thrusts_t* t = laws->thrusts;
-    const real_t a = ssv_quadratic_at(law, from), noise = real_mul(REAL(1e-9), t->force_max_N);
+    const real_t a = ssv_quadratic_at(law->c, from), noise = real_mul(REAL(1e-9), t->force_max_N);
     real_t next = to;
     for (int side = -1; side <= 1; side += 2) {
         real_t line[3] = {laws->weight_time, -laws->lambda, REAL(0)};
@@ -186,16 +202,15 @@ static real_t next_balance(const laws_t* laws, bool up, const real_t law[3], rea
 }
 
 // First speed in (from, to) at which another law may take over from this one.
-static real_t next_crossing(const laws_t* laws, policy_t policy, const real_t law[3], real_t from, real_t to) {
+static real_t next_crossing(const laws_t* laws, policy_t policy, const law_t* law, real_t from, real_t to) {
     const bool up = policy == SPEED_UP || policy == THRIFTY_UP, has_kinks = policy != SPEED_UP && policy != BRAKE;
     real_t next = to;
     for (int i = 0; i < N; i++) {
         if (!laws->acts[i]) continue;
-        const real_t* rival[2] = {up ? laws->up[i] : laws->brake[i], has_kinks ? laws->idle[i] : NULL};
-        for (int k = 0; k < 2; k++) {
-            if (rival[k] == NULL || rival[k] == law) continue;
-            const real_t diff[3] = {rival[k][0] - law[0], rival[k][1] - law[1], rival[k][2] - law[2]};
-            if (ssv_quadratic_size(diff, to) <= real_mul(SAME_LAW, ssv_quadratic_size(law, to))) continue;
+        const law_t* const rival[2] = {up ? &laws->up[i] : &laws->brake[i], &laws->idle[i]};
+        for (int k = 0; k < (has_kinks ? 2 : 1); k++) {
+            const real_t diff[3] = {rival[k]->c[0] - law->c[0], rival[k]->c[1] - law->c[1], rival[k]->c[2] - law->c[2]};
+            if (ssv_quadratic_size(diff, to) <= law->noise) continue;
             next = ssv_quadratic_root_after(diff, from, next);
         }
     }
@@ -208,7 +223,7 @@ static real_t next_crossing(const laws_t* laws, policy_t policy, const real_t la
 typedef struct {
     int num;
     real_t v[MAX_KNOTS + 1], reach[MAX_KNOTS + 1];
-    const real_t* law[MAX_KNOTS];
+    const law_t* law[MAX_KNOTS];
 } ramp_table_t;
 
 // Extends the ramp to speed top under one policy.
@@ -216,7 +231,7 @@ static bool ramp_extend(const laws_t* laws, policy_t policy, real_t top, ramp_ta
     const real_t probe = real_mul(PROBE, laws->top);
     real_t v = ramp->v[ramp->num];
     for (int n = 0; n < MAX_KNOTS && v < top; n++) {
-        const real_t* law = law_at(laws, policy, v);
+        const law_t* law = law_at(laws, policy, v);
         const real_t next = next_crossing(laws, policy, law, v + probe, top);
         if (ramp->num > 0 && ramp->law[ramp->num - 1] == law) {
             ramp->num--;
@@ -234,7 +249,7 @@ static bool ramp_extend(const laws_t* laws, policy_t policy, real_t top, ramp_ta
 static void ramp_measure(ramp_table_t* ramp) {
     ramp->reach[0] = REAL(0);
     for (int k = 0; k < ramp->num; k++) {
-        ramp->reach[k + 1] = ramp->reach[k] + real_abs(ssv_law_integrals(ramp->law[k], ramp->v[k], ramp->v[k + 1]).distance);
+        ramp->reach[k + 1] = ramp->reach[k] + real_abs(ssv_law_integrals(ramp->law[k]->c, ramp->v[k], ramp->v[k + 1]).distance);
     }
 }
 
@@ -242,15 +257,15 @@ static void ramp_measure(ramp_table_t* ramp) {
 static real_t ramp_reach(const ramp_table_t* ramp, real_t v, real_t* acceleration) {
     int k = 0;
     while (k + 1 < ramp->num && ramp->v[k + 1] < v) k++;
-    *acceleration = ssv_quadratic_at(ramp->law[k], v);
-    return ramp->reach[k] + real_abs(ssv_law_integrals(ramp->law[k], ramp->v[k], v).distance);
+    *acceleration = ssv_quadratic_at(ramp->law[k]->c, v);
+    return ramp->reach[k] + real_abs(ssv_law_integrals(ramp->law[k]->c, ramp->v[k], v).distance);
 }
 
 // Largest speed that every thruster can hold: |linear v + quadratic v^2| <= force_max. Infinite without drag; then what the
 // distance allows.
 static real_t top_speed(const laws_t* laws, real_t distance) {
     const ssv_thrusts_t* t = laws->thrusts;
-    const real_t* start = limit_at(laws, true, REAL(0));
+    const law_t* start = limit_at(laws, true, REAL(0));
     bool bounded = false;
     real_t top = REAL(0);
     for (int i = 0; i < N; i++) {
@@ -266,7 +281,7 @@ static real_t top_speed(const laws_t* laws, real_t distance) {
             }
         }
     }
-    const real_t free_top = real_sqrt(real_mul(REAL(2), real_mul(start[0], distance)));
+    const real_t free_top = real_sqrt(real_mul(REAL(2), real_mul(start->c[0], distance)));
     if (!bounded) return free_top;
     return top - real_mul(TERMINAL_MARGIN, top);
 }
@@ -274,9 +289,9 @@ static real_t top_speed(const laws_t* laws, real_t distance) {
 // Where the least thrust stops slowing the body, no drag-only ramp starts: end the ramp below.
 static void keep_slowing(ramp_table_t* ramp) {
     for (int k = 0; k < ramp->num; k++) {
-        const bool slows = ssv_quadratic_at(ramp->law[k], ramp->v[k]) < REAL(0) &&
-                           ssv_quadratic_at(ramp->law[k], ramp->v[k + 1]) < REAL(0) &&
-                           ssv_quadratic_root_after(ramp->law[k], ramp->v[k], ramp->v[k + 1]) >= ramp->v[k + 1];
+        const bool slows = ssv_quadratic_at(ramp->law[k]->c, ramp->v[k]) < REAL(0) &&
+                           ssv_quadratic_at(ramp->law[k]->c, ramp->v[k + 1]) < REAL(0) &&
+                           ssv_quadratic_root_after(ramp->law[k]->c, ramp->v[k], ramp->v[k + 1]) >= ramp->v[k + 1];
         if (!slows) ramp->num = k;
     }
 }
@@ -333,22 +348,19 @@ static bool append(ssv_profile_t* profile, const ssv_thrusts_t* thrusts, const r
     return true;
 }
 
-// Speed at which speeding up must turn into slowing so that both take the distance; from below, by safeguarded Newton: the
-// sum of the reaches is increasing and convex in v.
+// Speed at which speeding up must turn into slowing so that both take the distance, to within PEAK_TOLERANCE of it: safeguarded
+// Newton, from where it would be without drag; the sum of the reaches is increasing in v.
 static real_t peak_speed(const ramp_table_t* up, const ramp_table_t* slow, real_t distance, real_t top) {
     real_t low = REAL(0), high = top, a_up, a_slow;
-    real_t v = top;
+    (void)ramp_reach(up, REAL(0), &a_up);
+    (void)ramp_reach(slow, REAL(0), &a_slow);
+    real_t v = REAL(0);
     for (int n = 0; n < MAX_NEWTON; n++) {
-        const real_t excess = ramp_reach(up, v, &a_up) + ramp_reach(slow, v, &a_slow) - distance;
-        if (excess > REAL(0)) {
-            high = v;
-        } else {
-            low = v;
-            if (-excess <= real_mul(REAL(1e-14), distance)) break;
-        }
-        if (high - low <= real_mul(REAL(1e-15), high)) break;
-        const real_t slope = real_mul(v, real_div(REAL(1), real_abs(a_up)) + real_div(REAL(1), real_abs(a_slow)));
-        const real_t newton = v - real_div(excess, slope);
+        const real_t excess = n == 0 ? -distance : ramp_reach(up, v, &a_up) + ramp_reach(slow, v, &a_slow) - distance;
+        const real_t pace = real_div(REAL(1), real_abs(a_up)) + real_div(REAL(1), real_abs(a_slow));
+        if (real_abs(excess) <= real_mul(PEAK_TOLERANCE, distance)) return v;
+        *(excess > REAL(0) ? &high : &low) = v;
+        const real_t newton = n == 0 ? real_sqrt(real_div(real_mul(REAL(2), distance), pace)) : v - real_div(excess, real_mul(v, pace));
         v = newton > low && newton < high ? newton : real_mul(REAL(0.5), low + high);
     }
     return low;
@@ -369,7 +381,7 @@ static real_t ramp_length(const ramp_table_t* ramp) { return ramp->reach[ramp->n
 
 static ssv_outcome_t solve_paper(laws_t* laws, const ssv_rule_t* rule, real_t distance, real_t top, motion_t* m) {
     const real_t reverse_from = rule->ramp == SSV_DRAG_ONLY ? real_min(rule->cutoff, top) : top;
-    laws->top = top;
+    laws_up_to(laws, top);
     ramp_start(&m->up);
     ramp_start(&m->slow);
     if (!ramp_extend(laws, BRAKE, reverse_from, &m->slow) || !ramp_extend(laws, COAST, top, &m->slow) ||
@@ -426,7 +438,8 @@ static real_t cruise_speed(const laws_t* laws, real_t top) {
 
 // Both ramps from rest to the peak, with the marginal cost of distance that makes this peak the right one.
 static bool thrifty_ramps(laws_t* laws, real_t peak, motion_t* m) {
-    laws->top = m->peak = peak;
+    laws_up_to(laws, peak);
+    m->peak = peak;
     laws->lambda = real_div(cost_rate(laws, peak, REAL(0)), peak);
     ramp_start(&m->up);
     ramp_start(&m->slow);
@@ -467,8 +480,10 @@ ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, const ssv_rule_t* 
     if (!laws_init(thrusts, &laws)) return SSV_NO_AUTHORITY;
     real_t top = top_speed(&laws, distance);
     if (rule->speed_max > REAL(0)) top = real_min(top, rule->speed_max);
-    const ssv_outcome_t outcome = rule->ramp == SSV_OPTIMAL ? solve_optimal(&laws, rule, distance, top, &m)
-                                                             : solve_paper(&laws, rule, distance, top, &m);
+    // Where only time counts, full thrust and full reverse are optimal.
+    const bool thrifty = rule->ramp == SSV_OPTIMAL && rule->weight_impulse_per_Ns > REAL(0);
+    const ssv_outcome_t outcome =
+        thrifty ? solve_optimal(&laws, rule, distance, top, &m) : solve_paper(&laws, rule, distance, top, &m);
     if (outcome != SSV_FEASIBLE) return outcome;
 
     profile->num_pieces = 0;
@@ -476,12 +491,12 @@ ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, const ssv_rule_t* 
     profile->peak_speed = m.peak;
     bool fits = true;
     for (int k = 0; k < m.up.num && m.up.v[k] < m.peak; k++) {
-        fits = fits && append(profile, thrusts, m.up.law[k], m.up.v[k], real_min(m.up.v[k + 1], m.peak), REAL(0));
+        fits = fits && append(profile, thrusts, m.up.law[k]->c, m.up.v[k], real_min(m.up.v[k + 1], m.peak), REAL(0));
     }
     if (m.cruise > REAL(0)) fits = fits && append(profile, thrusts, steady, m.peak, m.peak, real_div(m.cruise, m.peak));
     for (int k = m.slow.num - 1; k >= 0; k--) {
         if (m.slow.v[k] >= m.peak) continue;
-        fits = fits && append(profile, thrusts, m.slow.law[k], real_min(m.slow.v[k + 1], m.peak), m.slow.v[k], REAL(0));
+        fits = fits && append(profile, thrusts, m.slow.law[k]->c, real_min(m.slow.v[k + 1], m.peak), m.slow.v[k], REAL(0));
     }
     if (!fits) return SSV_TOO_MANY_PIECES;
     return profile->duration_s <= SSV_DURATION_MAX_S ? SSV_FEASIBLE : SSV_TOO_LONG;

@@ -1,22 +1,15 @@
-/// The choice by J: for one way to take hold of the beam, the cheapest chain of moves that does the task.
+/// The choice by J: the cheapest chain of moves that does the task with one contact and attach height.
 #ifndef SSV_SEARCH_H
 #define SSV_SEARCH_H
 
-#include "planner/grasp.h"
-#include "planner/leg.h"
+#include "planner/chain.h"
 
-/// A way to do the whole task.
-typedef struct {
-    ssv_grasp_t grasp;
-    int num_moves;
-    ssv_move_t move[SSV_MAX_LEGS]; ///< transit moves first
-    pose_t X_IS_mate;            ///< vehicle when it takes hold
-    pose_t X_SB;                 ///< beam in S from then on
-    ssv_price_t price;
-} ssv_chain_t;
+/// The paper's chain: nearest ring angle (or the cheapest of several where none is nearest); translate, then turn the shortest
+/// way; turn about C, then translate. *num_priced grows by the chains that were priced.
+void ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, ssv_chain_t* best, int* num_priced);
 
-/// Prices the grasp at each of the ring angles and keeps the cheapest; *num_priced grows by the chains that were priced.
-void ssv_search(const ssv_problem_t* problem, int contact, real_t height_m, const real_t* ring_angle_rad, int num_rings,
-                ssv_chain_t* best, int* num_priced);
+/// Turn, translate, turn in both phases, with travel attitudes, pivots, ring angle and both free rolls by J (DESIGN.md 12);
+/// never dearer than the paper's chain.
+void ssv_search_optimal(const ssv_problem_t* problem, int contact, real_t height_m, ssv_chain_t* best, int* num_priced);
 
 #endif

@@ -1,0 +1,48 @@
+#include "planner/chain.h"
+
+static void add_price(ssv_price_t* sum, const ssv_price_t* price) {
+    if (sum->outcome == SSV_FEASIBLE) sum->outcome = price->outcome;
+    sum->time_s += price->time_s;
+    sum->impulse_Ns += price->impulse_Ns;
+    sum->cost += price->cost;
+}
+
+ssv_assembly_t ssv_vehicle_alone(const ssv_problem_t* problem) {
+    return (ssv_assembly_t){&problem->scenario.vehicle, NULL, {{REAL(0), REAL(0), REAL(0)}, quat_identity()}};
+}
+
+ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, pose_t X_IS) {
+    const ssv_scenario_t* scenario = &problem->scenario;
+    return (ssv_assembly_t){&scenario->vehicle, &scenario->beam, pose_mul(pose_inv(X_IS), scenario->X_IB)};
+}
+
+void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, pose_t X_IS, ssv_flight_t* flight) {
+    flight->X_IS_end = X_IS;
+    flight->price = (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
+    for (int k = 0; k < flight->num_moves; k++) {
+        const ssv_move_t* move = &flight->move[k];
+        ssv_thrusts_t thrusts;
+        ssv_profile_t profile;
+        ssv_ramp_t ramp;
+        ssv_move_thrusts(problem, assembly, move->twist, &thrusts);
+        flight->move_price[k] = ssv_move_solve(problem, move, &thrusts, &profile, &ramp);
+        add_price(&flight->price, &flight->move_price[k]);
+        flight->X_IS_end = ssv_move_pose(flight->X_IS_end, move->twist, move->length);
+    }
+}
+
+void ssv_chain_join(const ssv_grasp_t* grasp, const ssv_flight_t* transit, const ssv_flight_t* transfer, pose_t X_SB,
+                    ssv_chain_t* chain) {
+    const ssv_flight_t* flight[2] = {transit, transfer};
+    chain->grasp = *grasp;
+    chain->X_SB = X_SB;
+    chain->num_moves = 0;
+    chain->price = (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
+    for (int phase = 0; phase < 2; phase++) {
+        for (int k = 0; k < flight[phase]->num_moves; k++) {
+            chain->move[chain->num_moves++] = flight[phase]->move[k];
+            add_price(&chain->price, &flight[phase]->move_price[k]);
+        }
+    }
+    if (chain->price.outcome == SSV_FEASIBLE && chain->price.time_s > SSV_DURATION_MAX_S) chain->price.outcome = SSV_TOO_LONG;
+}

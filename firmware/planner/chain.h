@@ -1,0 +1,42 @@
+/// Chains of moves and their price.
+#ifndef SSV_CHAIN_H
+#define SSV_CHAIN_H
+
+#include "planner/grasp.h"
+#include "planner/leg.h"
+
+/// Turn, translate, turn.
+#define SSV_MAX_PHASE_MOVES 3
+
+/// One phase: its moves and what each costs, where the vehicle ends, and what all of it costs.
+typedef struct {
+    int num_moves;
+    ssv_move_t move[SSV_MAX_PHASE_MOVES];
+    ssv_price_t move_price[SSV_MAX_PHASE_MOVES];
+    pose_t X_IS_end;
+    ssv_price_t price;
+} ssv_flight_t;
+
+/// A way to do the whole task.
+typedef struct {
+    ssv_grasp_t grasp;
+    int num_moves;
+    ssv_move_t move[2 * SSV_MAX_PHASE_MOVES]; ///< transit moves first
+    pose_t X_SB;                 ///< beam in S once mated
+    ssv_price_t price;
+} ssv_chain_t;
+
+/// The vehicle without a beam.
+ssv_assembly_t ssv_vehicle_alone(const ssv_problem_t* problem);
+
+/// Vehicle and beam, mated with the beam where it lies and the vehicle at X_IS.
+ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, pose_t X_IS);
+
+/// Prices flight->move[0..num_moves) flown from X_IS and fills in the rest.
+void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, pose_t X_IS, ssv_flight_t* flight);
+
+/// Joins both phases. The price is added up move by move, as the plan's legs will be: quoted is what is flown, to the last bit.
+void ssv_chain_join(const ssv_grasp_t* grasp, const ssv_flight_t* transit, const ssv_flight_t* transfer, pose_t X_SB,
+                    ssv_chain_t* chain);
+
+#endif
