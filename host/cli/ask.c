@@ -63,7 +63,7 @@ static bool plan_is_decodable(const uint8_t* data, size_t size) {
     if (!skip_string(data, size, &at)) {
         return false;
     }
-    at += 3 * 8 + (1 + 2 * 8 + 4);
+    at += 4 * 8 + (1 + 2 * 8 + 4);
     for (uint32_t i = 0; i < read_u32(data + 8); i++) {
         at += 1 + 2 * 8;
         if (!skip_string(data, size, &at)) {

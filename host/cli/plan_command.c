@@ -22,10 +22,17 @@ static const char doc[] =
     "\vExamples:\n"
     "  ssv plan host/scenarios/paper_case.yaml\n"
     "  ssv plan task.yaml --weights 1,0     time alone counts\n"
+    "  ssv plan task.yaml --method optimal --effort best\n"
+    "                                       the least J that the planner knows of\n"
+    "  ssv plan task.yaml --method paper    the baseline to compare with\n"
     "  ssv plan task.yaml --format json --output plan.json\n"
     "                                       for scripts and ssv-replay\n"
     "  ssv plan task.yaml --lcm             asks a running ssv-plannerd\n"
     "  ssv plan task.yaml --lcm udpm://239.255.76.67:7667?ttl=1 --timeout 10\n"
+    "\n"
+    "The method decides what the scenario leaves free: optimal leaves all of it to J, paper goes by the rules of the paper. "
+    "The table says how far above the best possible the plan can be at most. A scenario may name its method and effort "
+    "itself.\n"
     "\n"
     "The scenario's model is the name of a file in the models folder (paper, ease) or a path from the scenario file, "
     "mine.yaml or FOLDER/mine.yaml. FILE is replaced in one step when the answer is complete, or left as it was.\n"
@@ -39,12 +46,15 @@ static const char doc[] =
     "  64  wrong arguments\n"
     "   1  anything else, e.g. FILE cannot be written\n";
 
-enum { KEY_LCM = 256, KEY_WEIGHTS, KEY_METHOD, KEY_FORMAT, KEY_OUTPUT, KEY_TIMEOUT };
+enum { KEY_LCM = 256, KEY_WEIGHTS, KEY_METHOD, KEY_EFFORT, KEY_FORMAT, KEY_OUTPUT, KEY_TIMEOUT };
 
 static const struct argp_option options[] = {
     {"lcm", KEY_LCM, "URL", OPTION_ARG_OPTIONAL, "Ask a running ssv-plannerd over LCM, instead of planning in process", 0},
     {"weights", KEY_WEIGHTS, "W1,W2", 0, "Weights of time [1/s] and impulse [1/(N s)] instead of the file's", 0},
-    {"method", KEY_METHOD, "paper", 0, "How the candidates are made (default and only one: paper)", 0},
+    {"method", KEY_METHOD, "optimal|paper", 0, "What decides the free choices, instead of the file's (default "
+     SCENARIO_METHOD_DEFAULT ")", 0},
+    {"effort", KEY_EFFORT, "quick|best", 0, "How much method optimal tries, instead of the file's (default "
+     SCENARIO_EFFORT_DEFAULT ")", 0},
     {"format", KEY_FORMAT, "table|json", 0, "For people (default) or for programs", 0},
     {"output", KEY_OUTPUT, "FILE", 0, "Write there instead of to standard output", 0},
     {"timeout", KEY_TIMEOUT, "S", 0, "How long to wait for an answer over LCM [s] (default 5)", 0},
@@ -57,6 +67,7 @@ typedef struct {
     const char* output_path;      ///< NULL = standard output
     double weights[2];
     double timeout_s;
+    int8_t method, effort;        ///< -1 = the file's
     bool over_lcm, weights_given, as_json;
 } arguments_t;
 
@@ -88,8 +99,15 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
         arguments->weights_given = true;
         return 0;
     case KEY_METHOD:
-        if (strcmp(argument, "paper") != 0) {
-            argp_error(state, "--method %s: there is only paper", argument);
+        arguments->method = word_find(argument, scenario_methods, 2);
+        if (arguments->method < 0) {
+            argp_error(state, "--method %s: there are optimal and paper", argument);
+        }
+        return 0;
+    case KEY_EFFORT:
+        arguments->effort = word_find(argument, scenario_efforts, 2);
+        if (arguments->effort < 0) {
+            argp_error(state, "--effort %s: there are quick and best", argument);
         }
         return 0;
     case KEY_FORMAT:
@@ -195,7 +213,7 @@ static int conclude(const arguments_t* arguments, const lcm_ssv_scenario_t* ques
 
 int plan_command(int argc, char** argv) {
     static const struct argp parser = {.options = options, .parser = parse_option, .args_doc = "SCENARIO.yaml", .doc = doc};
-    arguments_t arguments = {.timeout_s = 5};
+    arguments_t arguments = {.timeout_s = 5, .method = -1, .effort = -1};
     argv[0] = "ssv plan";
     argp_parse(&parser, argc, argv, 0, NULL, &arguments);
 
@@ -217,6 +235,12 @@ int plan_command(int argc, char** argv) {
     if (arguments.weights_given) {
         question.weight_time_per_s = arguments.weights[0];
         question.weight_impulse_per_Ns = arguments.weights[1];
+    }
+    if (arguments.method >= 0) {
+        question.options.method = arguments.method;
+    }
+    if (arguments.effort >= 0) {
+        question.options.effort = arguments.effort;
     }
     stamp(&question);
 

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "scenario_file.h"
+
 #define DEG_PER_RAD 57.295779513082321
 
 // An answer may come from the wire: a value that names nothing is shown as such.
@@ -20,7 +22,6 @@ static const char* const phase_names[] = {"transit", "transfer"};
 static const char* const kind_names[] = {"translate", "turn", "screw"};
 static const char* const ramp_names[] = {"full_reverse", "drag_only", "optimal"};
 static const char* const event_names[] = {"mate", "dock"};
-static const char* const method_names[] = {"optimal", "paper"};
 
 /// Appends to an array, which becomes NULL if the value is; NULL in a larger whole makes that NULL too.
 static void append(json_t** array, json_t* value) {
@@ -106,7 +107,7 @@ static json_t* beam_json(const lcm_ssv_beam_t* beam) {
 static json_t* question_json(const lcm_ssv_scenario_t* question) {
     const lcm_ssv_options_t* options = &question->options;
     return json_pack(
-        "{s:I, s:I, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:i, s:f, s:{s:f, s:f}, s:o, s:o, s:s}",
+        "{s:I, s:I, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:i, s:f, s:{s:f, s:f}, s:o, s:o, s:s, s:s}",
         "request_id", (json_int_t)question->request_id, "epoch_us", (json_int_t)question->epoch_us,
         "vehicle", vehicle_json(&question->vehicle), "beam", beam_json(&question->beam),
         "X_IS", pose_json("p_IS_m", "q_IS", &question->X_IS), "X_IB", pose_json("p_IB_m", "q_IB", &question->X_IB),
@@ -115,7 +116,7 @@ static json_t* question_json(const lcm_ssv_scenario_t* question) {
         "weights", "time", question->weight_time_per_s, "impulse", question->weight_impulse_per_Ns,
         "attach_heights_m", vector_json(options->attach_heights_m, options->num_attach_heights),
         "ring_angle_rad", options->ring_angle_given ? json_real(options->ring_angle_rad) : json_null(),
-        "method", NAME(method_names, options->method));
+        "method", NAME(scenario_methods, options->method), "effort", NAME(scenario_efforts, options->effort));
 }
 
 static json_t* candidates_json(const lcm_ssv_plan_t* answer) {
@@ -204,9 +205,10 @@ static json_t* content_json(const lcm_ssv_scenario_t* question, const lcm_ssv_pl
                          question_json(question));
     }
     return json_pack(
-        "{s:I, s:{s:f, s:f, s:f}, s:{s:i, s:f, s:f, s:i}, s:o, s:[o, o], s:o, s:{s:o}, s:o, s:{s:o, s:o}, s:o, s:o, s:o}",
+        "{s:I, s:{s:f, s:f, s:f, s:f}, s:{s:i, s:f, s:f, s:i}, s:o, s:[o, o], s:o, s:{s:o}, s:o, s:{s:o, s:o}, s:o, s:o, s:o}",
         "request_id", (json_int_t)answer->request_id,
-        "cost", "J", answer->cost, "time_s", answer->time_s, "impulse_Ns", answer->impulse_Ns,
+        "cost", "J", answer->cost, "J_lower_bound", answer->cost_lower_bound, "time_s", answer->time_s,
+        "impulse_Ns", answer->impulse_Ns,
         "choice", "beam_contact", answer->choice.contact, "attach_height_m", answer->choice.attach_height_m,
         "ring_angle_rad", answer->choice.ring_angle_rad, "candidates", (int)answer->choice.candidates,
         "candidates", candidates_json(answer),
@@ -249,7 +251,7 @@ static void candidates_table(FILE* out, const lcm_ssv_plan_t* answer) {
 }
 
 static void legs_table(FILE* out, const lcm_ssv_plan_t* answer) {
-    fprintf(out, "  %-10s %-10s %-13s %11s %11s %12s %13s\n", "phase", "leg", "slows by", "start s", "time s", "impulse N s",
+    fprintf(out, "  %-10s %-10s %-13s %11s %11s %12s %13s\n", "phase", "leg", "ramp", "start s", "time s", "impulse N s",
             "peak speed");
     for (int i = 0; i < answer->num_legs; i++) {
         const lcm_ssv_leg_t* leg = &answer->legs[i];
@@ -264,6 +266,16 @@ static void legs_table(FILE* out, const lcm_ssv_plan_t* answer) {
     }
 }
 
+/// The best possible plan costs no less than the bound, so the plan's distance from the bound is the most it can be off.
+static void bound_line(FILE* out, const lcm_ssv_plan_t* answer) {
+    fprintf(out, "No plan of any kind costs less than %.3f", answer->cost_lower_bound);
+    if (answer->cost_lower_bound > 0) {
+        fprintf(out, ": this one is at most %.1f %% above the best possible",
+                100 * (answer->cost / answer->cost_lower_bound - 1));
+    }
+    fputc('\n', out);
+}
+
 void report_table(FILE* out, const char* title, const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer) {
     if (answer->status == LCM_SSV_PLAN_T_STATUS_INVALID) {
         return;
@@ -273,8 +285,11 @@ void report_table(FILE* out, const char* title, const lcm_ssv_scenario_t* questi
         candidates_table(out, answer);
         return;
     }
-    fprintf(out, "%s: J = %.9g /s x %.3f s + %.9g /(N s) x %.3f N s = %.3f\n\n", title, question->weight_time_per_s,
+    const bool is_optimal = question->options.method == LCM_SSV_OPTIONS_T_METHOD_OPTIMAL;
+    fprintf(out, "%s: J = %.9g /s x %.3f s + %.9g /(N s) x %.3f N s = %.3f\n", title, question->weight_time_per_s,
             answer->time_s, question->weight_impulse_per_Ns, answer->impulse_Ns, answer->cost);
+    bound_line(out, answer);
+    fputc('\n', out);
     candidates_table(out, answer);
     fputc('\n', out);
     legs_table(out, answer);
@@ -282,6 +297,8 @@ void report_table(FILE* out, const char* title, const lcm_ssv_scenario_t* questi
     for (int i = 0; i < answer->num_events; i++) {
         fprintf(out, "  %s at %.3f s\n", NAME(event_names, answer->events[i].kind), answer->events[i].t_s);
     }
+    fprintf(out, "  method %s%s%s\n", NAME(scenario_methods, question->options.method), is_optimal ? ", effort " : "",
+            is_optimal ? NAME(scenario_efforts, question->options.effort) : "");
     fprintf(out, "  %d combinations priced, %d timeline segments, %d bytes on the wire\n", (int)answer->choice.candidates,
             answer->num_segments, lcm_ssv_plan_t_encoded_size(answer));
     fprintf(out, "  scenario %016" PRIx64 ", plan %016" PRIx64 "\n", (uint64_t)answer->scenario_hash,

@@ -16,6 +16,9 @@
 
 #define NUM_PORTS 3
 
+const char* const scenario_methods[2] = {"optimal", "paper"};
+const char* const scenario_efforts[2] = {"quick", "best"};
+
 // What the files hold. Every scalar is kept as text: libcyaml reads "1,5" as 1 and does not know ".nan", and the planner
 // must see exactly what was written. NULL stands for an optional value that is absent.
 typedef struct {
@@ -100,6 +103,8 @@ typedef struct {
     char** attach_heights_m;
     unsigned attach_heights_m_count;
     char* ring_angle_rad;
+    char* method;
+    char* effort;
 } scenario_text_t;
 
 #define REQUIRED CYAML_FLAG_DEFAULT
@@ -207,6 +212,8 @@ static const cyaml_schema_field_t scenario_fields[] = {
     CYAML_FIELD_SEQUENCE("attach_heights_m", CYAML_FLAG_POINTER | OPTIONAL, scenario_text_t, attach_heights_m, &scalar, 1,
                          SSV_MAX_ATTACH_HEIGHTS),
     SCALAR(OPTIONAL, scenario_text_t, ring_angle_rad),
+    SCALAR(OPTIONAL, scenario_text_t, method),
+    SCALAR(OPTIONAL, scenario_text_t, effort),
     CYAML_FIELD_END,
 };
 static const cyaml_schema_value_t scenario_schema = {
@@ -243,6 +250,15 @@ __attribute__((format(printf, 3, 4))) static void error_set(error_t* error, int 
 }
 
 static bool error_is_set(const error_t* error) { return error->text[0] != '\0'; }
+
+int8_t word_find(const char* text, const char* const* words, int count) {
+    for (int i = 0; i < count; i++) {
+        if (strcmp(text, words[i]) == 0) {
+            return (int8_t)i;
+        }
+    }
+    return -1;
+}
 
 bool number_parse(const char* text, double* value) {
     const char* const sign_end = text + (*text == '-' || *text == '+');
@@ -461,14 +477,18 @@ static void numbers(error_t* error, const char* where, const char* key, char* co
     }
 }
 
-/// Which of three values stands there; 0 with the error set if none does.
-static int one_of(error_t* error, const char* key, const char* text, const char* const values[3]) {
-    for (int i = 0; i < 3; i++) {
-        if (strcmp(text, values[i]) == 0) {
-            return i;
-        }
+/// Which of the values stands there; 0 with the error set if none does.
+static int8_t one_of(error_t* error, const char* key, const char* text, const char* const* values, int count) {
+    const int8_t found = word_find(text, values, count);
+    if (found >= 0) {
+        return found;
     }
-    error_set(error, 0, "%s: '%s' is none of %s, %s, %s", key, text, values[0], values[1], values[2]);
+    char all[64] = "";
+    for (int i = 0; i < count; i++) {
+        const size_t used = strlen(all);
+        snprintf(all + used, sizeof all - used, "%s%s", i > 0 ? ", " : "", values[i]);
+    }
+    error_set(error, 0, "%s: '%s' is none of %s", key, text, all);
     return 0;
 }
 
@@ -528,7 +548,7 @@ static void hub_convert(error_t* scenario_error, error_t* model_error, const hub
     numbers(scenario_error, "hub.", "q_IH", hub->q_IH, 4, q_IH);
     check_finite(scenario_error, "hub.p_IH_m", p_IH_m, 3);
     check_unit(scenario_error, "hub.q_IH", q_IH, 4);
-    const int chosen = one_of(scenario_error, "hub.port", hub->port, names);
+    const int chosen = one_of(scenario_error, "hub.port", hub->port, names, NUM_PORTS);
     for (int i = 0; i < NUM_PORTS; i++) {
         char key[64];
         snprintf(key, sizeof key, "hub.ports[%d].", i);
@@ -555,7 +575,7 @@ static void scenario_convert(error_t* error, const scenario_text_t* text, lcm_ss
     numbers(error, "vehicle.", "q_IS", text->vehicle.q_IS, 4, scenario->X_IS.q);
     numbers(error, "beam.", "p_IB_m", text->beam.p_IB_m, 3, scenario->X_IB.p_m);
     numbers(error, "beam.", "q_IB", text->beam.q_IB, 4, scenario->X_IB.q);
-    scenario->contact = (int8_t)one_of(error, "beam.contact", text->beam.contact, contacts);
+    scenario->contact = one_of(error, "beam.contact", text->beam.contact, contacts, 3);
     if (text->port != NULL) {
         numbers(error, "port.", "p_IP_m", text->port->p_IP_m, 3, scenario->port.p_IP_m);
         numbers(error, "port.", "axis_I", text->port->axis_I, 3, scenario->port.axis_I);
@@ -569,6 +589,10 @@ static void scenario_convert(error_t* error, const scenario_text_t* text, lcm_ss
     numbers(error, "", "attach_heights_m", text->attach_heights_m, heights, scenario->options.attach_heights_m);
     scenario->options.ring_angle_given = text->ring_angle_rad != NULL;
     scenario->options.ring_angle_rad = number(error, "", "ring_angle_rad", text->ring_angle_rad);
+    const char* const method = text->method == NULL ? SCENARIO_METHOD_DEFAULT : text->method;
+    const char* const effort = text->effort == NULL ? SCENARIO_EFFORT_DEFAULT : text->effort;
+    scenario->options.method = one_of(error, "method", method, scenario_methods, 2);
+    scenario->options.effort = one_of(error, "effort", effort, scenario_efforts, 2);
 }
 
 static int is_model_file(const struct dirent* entry) {
@@ -646,7 +670,6 @@ bool scenario_file_read(const char* path, const char* models_dir, lcm_ssv_scenar
         return false;
     }
     memset(scenario, 0, sizeof *scenario);
-    scenario->options.method = LCM_SSV_OPTIONS_T_METHOD_PAPER;
     if (text->port == NULL && text->hub == NULL) {
         error_set(&error, 0, "port: this key is missing; give port {p_IP_m, axis_I} or hub {p_IH_m, q_IH, port}");
     } else if (text->port != NULL && text->hub != NULL) {

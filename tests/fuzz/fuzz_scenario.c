@@ -40,6 +40,7 @@ static void check_motion(const lcm_ssv_scenario_t* question, const lcm_ssv_plan_
     CHECK(is_price(plan->time_s) && is_price(plan->impulse_Ns) && is_price(plan->cost));
     const double cost = question->weight_time_per_s * plan->time_s + question->weight_impulse_per_Ns * plan->impulse_Ns;
     CHECK(is_near(plan->cost, cost));
+    CHECK(is_price(plan->cost_lower_bound) && plan->cost_lower_bound <= plan->cost * (1 + 1e-12));
     CHECK(question->contact == 0 || plan->choice.contact == question->contact);
     double time_s = 0, impulse_Ns = 0;
     for (int i = 0; i < plan->num_legs; i++) {
@@ -97,6 +98,12 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     CHECK(plan->request_id == question.request_id && plan->epoch_us == question.epoch_us);
     CHECK((plan->status == LCM_SSV_PLAN_T_STATUS_OK) == (plan->reason[0] == '\0'));
     CHECK(strlen(plan->reason) < SSV_REASON_SIZE);
+    const lcm_ssv_options_t* options = &question.options;
+    const bool is_method =
+        options->method == LCM_SSV_OPTIONS_T_METHOD_OPTIMAL || options->method == LCM_SSV_OPTIONS_T_METHOD_PAPER;
+    const bool is_effort =
+        options->effort == LCM_SSV_OPTIONS_T_EFFORT_QUICK || options->effort == LCM_SSV_OPTIONS_T_EFFORT_BEST;
+    CHECK((is_method && is_effort) || plan->status == LCM_SSV_PLAN_T_STATUS_INVALID);
     if (plan->status == LCM_SSV_PLAN_T_STATUS_INVALID) {
         CHECK(plan->num_candidates == 0 && plan->num_legs == 0 && plan->num_segments == 0 && plan->num_events == 0);
         return 0;

@@ -1,4 +1,5 @@
-// Writes the shipped scenarios as the bytes that go over LCM, one file each: where the fuzzer starts from.
+// Writes the shipped scenarios, by each method and effort, as the bytes that go over LCM, one file each: where the fuzzer
+// starts from.
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,12 +21,16 @@ int main(int argc, char** argv) {
             fprintf(stderr, "%s\n", error);
             return EXIT_FAILURE;
         }
-        const int size = lcm_ssv_scenario_t_encode(bytes, 0, sizeof bytes, &scenario);
-        snprintf(path, sizeof path, "%s/%d", argv[2], i - 3);
-        FILE* file = fopen(path, "wb");
-        if (file == NULL || size < 0 || fwrite(bytes, 1, (size_t)size, file) != (size_t)size || fclose(file) != 0) {
-            perror(path);
-            return EXIT_FAILURE;
+        for (int k = 0; k < 4; k++) {
+            scenario.options.method = k / 2 == 0 ? LCM_SSV_OPTIONS_T_METHOD_OPTIMAL : LCM_SSV_OPTIONS_T_METHOD_PAPER;
+            scenario.options.effort = k % 2 == 0 ? LCM_SSV_OPTIONS_T_EFFORT_QUICK : LCM_SSV_OPTIONS_T_EFFORT_BEST;
+            const int size = lcm_ssv_scenario_t_encode(bytes, 0, sizeof bytes, &scenario);
+            snprintf(path, sizeof path, "%s/%d", argv[2], 4 * (i - 3) + k);
+            FILE* file = fopen(path, "wb");
+            if (file == NULL || size < 0 || fwrite(bytes, 1, (size_t)size, file) != (size_t)size || fclose(file) != 0) {
+                perror(path);
+                return EXIT_FAILURE;
+            }
         }
     }
     return EXIT_SUCCESS;

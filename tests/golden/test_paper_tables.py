@@ -26,7 +26,8 @@ STEP = 0.01
 
 
 def plan(scenario):
-    done = subprocess.run([BIN / "ssv", "plan", "/dev/stdin", "--format", "json"], input=scenario, capture_output=True, text=True)
+    done = subprocess.run([BIN / "ssv", "plan", "/dev/stdin", "--method", "paper", "--format", "json"],
+                          input=scenario, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

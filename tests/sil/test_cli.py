@@ -1,8 +1,10 @@
 """ssv plan from the outside: what users and their scripts rely on."""
+import itertools
 import json
 import math
 import os
 import random
+import re
 import resource
 import signal
 import subprocess
@@ -135,6 +137,9 @@ class BadInputTest(InFolder):
     def test_a_word_that_is_no_choice_is_refused_with_the_choices(self):
         self.assert_refused(self.scenario(("contact: 1", "contact: 3")), "beam.contact: '3'", "either, 1, 2")
         self.assert_refused(self.scenario(("port: 1", "port: 4"), base=PORT1), "hub.port: '4'", "1, 2, 3")
+        for key, word, choices in (("method", "fastest", "optimal, paper"), ("effort", "1", "quick, best")):
+            path = self.scenario(("model: paper", f"model: paper\n{key}: {word}"))
+            self.assert_refused(path, f"{key}: '{word}' is none of {choices}")
 
     def test_the_hub_is_checked_though_the_planner_never_sees_it(self):
         self.assert_refused(self.scenario(("q_IH: [1, 0, 0, 0]", "q_IH: [0, 0, 0, 0]"), base=PORT1), "hub.q_IH: length 0")
@@ -234,6 +239,8 @@ class UsageTest(InFolder):
             ["plan", PAPER_CASE, "--weights", "1;2"],
             ["plan", PAPER_CASE, "--weights", "a,b"],
             ["plan", PAPER_CASE, "--method", "best"],
+            ["plan", PAPER_CASE, "--method", ""],
+            ["plan", PAPER_CASE, "--effort", "paper"],
             ["plan", PAPER_CASE, "--format", "xml"],
             ["plan", PAPER_CASE, "--lcm", "--timeout", "0"],
             ["plan", PAPER_CASE, "--lcm", "--timeout", ".nan"],
@@ -265,6 +272,22 @@ class UsageTest(InFolder):
         self.assertEqual(done.returncode, 2)
         self.assertIn("weights.time: -1", done.stderr)
 
+    def test_method_and_effort_come_from_the_command_line_else_from_the_file_else_from_the_defaults_in_the_help(self):
+        def used(path, *arguments):
+            scenario = json.loads(ssv("plan", path, "--format", "json", *arguments).stdout)["scenario"]
+            return scenario["method"], scenario["effort"]
+
+        described = " ".join(ssv("plan", "--help").stdout.split())
+        defaults = tuple(re.search(rf"--{key}=.*?\(default (\w+)\)", described)[1] for key in ("method", "effort"))
+        self.assertEqual(used(PAPER_CASE), defaults)
+        for method in ("optimal", "paper"):
+            for effort in ("quick", "best"):
+                of_file = self.scenario(("model: paper", f"model: paper\nmethod: {method}\neffort: {effort}"))
+                self.assertEqual(used(of_file), (method, effort))
+                self.assertEqual(used(PAPER_CASE, "--method", method, "--effort", effort), (method, effort))
+                self.assertEqual(used(of_file, "--method", "paper"), ("paper", effort))
+                self.assertEqual(used(of_file, "--effort", "quick"), (method, "quick"))
+
     def test_a_scenario_may_come_through_a_pipe(self):
         done = ssv("plan", "/dev/stdin", "--format", "json", input=PAPER_CASE.read_text())
         self.assertEqual(done.returncode, 0, done)
@@ -295,7 +318,7 @@ BODY = {"mass_kg": "real", "inertia_kg_m2": V3, "added_mass_kg": V3, "drag_lin_k
         "drag_lin_ang_Nm_s": "real", "drag_quad_ang_Nm_s2": "real"}
 PLAN_SHAPE = {
     "status": "text", "reason": "text", "request_id": "integer",
-    "cost": {"J": "real", "time_s": "real", "impulse_Ns": "real"},
+    "cost": {"J": "real", "J_lower_bound": "real", "time_s": "real", "impulse_Ns": "real"},
     "choice": {"beam_contact": "integer", "attach_height_m": "real", "ring_angle_rad": "real", "candidates": "integer"},
     "candidates": ["any", {"beam_contact": "integer", "attach_height_m": "real", "ring_angle_rad": "real", "reason": "text",
                            "time_s": "real", "impulse_Ns": "real", "J": "real"}],
@@ -313,19 +336,26 @@ PLAN_SHAPE = {
         "beam": BODY | {"radius_m": "real", "length_m": "real", "drag_strip_kg_m2": "real"},
         "X_IS": POSE_S, "X_IB": POSE_B, "port": {"p_IP_m": V3, "axis_I": V3}, "contact": "integer", "standoff_m": "real",
         "weights": {"time": "real", "impulse": "real"}, "attach_heights_m": [], "ring_angle_rad": "null", "method": "text",
+        "effort": "text",
     },
 }
+
+
+METHODS = {"paper": ["--method", "paper"], "optimal": ["--method", "optimal"],
+           "optimal best": ["--method", "optimal", "--effort", "best"]}
 
 
 class PlanJsonTest(InFolder):
     @classmethod
     def setUpClass(cls):
-        cls.plans = {path.stem: json.loads(ssv("plan", path, "--format", "json").stdout) for path in SCENARIOS}
+        """Of each scenario the plan by each method."""
+        cls.plans = {(path.stem, method): json.loads(ssv("plan", path, "--format", "json", *arguments).stdout)
+                     for path in SCENARIOS for method, arguments in METHODS.items()}
 
     def test_every_scenario_gives_the_documented_keys_and_no_others(self):
-        self.assertEqual(len(self.plans), 5)
-        for name, plan in self.plans.items():
-            with self.subTest(name):
+        self.assertEqual(len(self.plans), 5 * 3)
+        for (name, method), plan in self.plans.items():
+            with self.subTest(f"{name} {method}"):
                 expected = json.loads(json.dumps(PLAN_SHAPE))
                 if name == "paper_case":
                     expected["scenario"]["ring_angle_rad"] = "real"
@@ -334,15 +364,16 @@ class PlanJsonTest(InFolder):
                 self.assertEqual(shape(plan), expected)
 
     def test_the_parts_of_a_plan_agree_with_one_another(self):
-        for name, plan in self.plans.items():
-            with self.subTest(name):
+        for task, plan in self.plans.items():
+            with self.subTest(" ".join(task)):
                 self.assertEqual((plan["status"], plan["reason"]), ("ok", ""))
                 self.assertEqual([event["kind"] for event in plan["events"]], ["mate", "dock"])
                 self.assertEqual([phase["name"] for phase in plan["phases"]], ["transit", "transfer"])
                 for total in ("time_s", "impulse_Ns"):
                     of_phases = sum(phase[total] for phase in plan["phases"])
                     self.assertTrue(math.isclose(of_phases, plan["cost"][total], rel_tol=1e-12), total)
-                self.assertEqual(min(c["J"] for c in plan["candidates"]), plan["cost"]["J"])
+                self.assertEqual(min(c["J"] for c in plan["candidates"] if not c["reason"]), plan["cost"]["J"])
+                self.assertTrue(0 <= plan["cost"]["J_lower_bound"] <= plan["cost"]["J"])
                 self.assertAlmostEqual(plan["events"][0]["t_s"], plan["phases"][0]["time_s"], 9)
                 self.assertAlmostEqual(plan["events"][1]["t_s"], plan["cost"]["time_s"], 9)
                 self.assertEqual(plan["legs"][-1]["pose_end"], plan["final"]["vehicle"])
@@ -353,7 +384,14 @@ class PlanJsonTest(InFolder):
         texts = {path.stem: path.read_text() for path in SCENARIOS}
         for choice in ("port: 1", "port: 2", "port: 3", "contact: 1", "contact: 2", "contact: either"):
             self.assertTrue(any(f"  {choice}\n" in text for text in texts.values()), choice)
-        self.assertEqual(self.plans["on_axis"]["choice"]["candidates"], 2 * 3 * 16)
+        self.assertEqual(self.plans["on_axis", "paper"]["choice"]["candidates"], 2 * 3 * 16)
+
+    def test_method_optimal_costs_no_more_than_paper(self):
+        for path in SCENARIOS:
+            with self.subTest(path.stem):
+                paper, quick, best = (self.plans[path.stem, method]["cost"]["J"] for method in METHODS)
+                self.assertLessEqual(quick, paper)
+                self.assertLessEqual(best, paper)
 
     def test_the_hub_gives_the_port_that_its_pose_and_the_model_say(self):
         # By hand: no turn; half a turn about x (x, -y, -z); a quarter turn about y (z, y, -x).
@@ -363,18 +401,18 @@ class PlanJsonTest(InFolder):
             ("port2_either", [-4 - low, 3 - high, -1 - up]),
             ("on_axis", [3 + up, 2, -2 * low]),
         ]:
-            port = self.plans[name]["scenario"]["port"]
+            port = self.plans[name, "paper"]["scenario"]["port"]
             hub = {"port1_contact2": [5, 3, 0.5], "port2_either": [-4, 3, -1], "on_axis": [3, 2, 0]}[name]
             for i in range(3):
                 self.assertAlmostEqual(port["p_IP_m"][i], expected[i], 12, name)
                 self.assertAlmostEqual(port["axis_I"][i], (expected[i] - hub[i]) / 0.381, 12, name)
 
     def test_standoff_defaults_to_the_sum_of_the_radii(self):
-        self.assertAlmostEqual(self.plans["on_axis"]["scenario"]["standoff_m"], 0.3025 + 0.0606, 15)
+        self.assertAlmostEqual(self.plans["on_axis", "paper"]["scenario"]["standoff_m"], 0.3025 + 0.0606, 15)
 
     def test_the_docked_beam_ends_on_the_port_and_points_into_it(self):
-        for name, plan in self.plans.items():
-            with self.subTest(name):
+        for task, plan in self.plans.items():
+            with self.subTest(" ".join(task)):
                 w, x, y, z = plan["final"]["beam"]["q_IB"]
                 z_B = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]
                 outward = -1 if plan["choice"]["beam_contact"] == 1 else 1
@@ -385,17 +423,25 @@ class PlanJsonTest(InFolder):
                     self.assertAlmostEqual(outward * z_B[i], -plan["scenario"]["port"]["axis_I"][i], 9)
 
     def test_numbers_survive_the_file_bit_for_bit(self):
-        self.assertEqual(self.plans["paper_case"]["scenario"]["ring_angle_rad"], -1.5707963267948966)
-        self.assertEqual(self.plans["paper_case"]["scenario"]["X_IB"]["q_IB"][0], 0.7071067811865476)
+        self.assertEqual(self.plans["paper_case", "paper"]["scenario"]["ring_angle_rad"], -1.5707963267948966)
+        self.assertEqual(self.plans["paper_case", "paper"]["scenario"]["X_IB"]["q_IB"][0], 0.7071067811865476)
 
     def test_the_table_shows_the_same_plan(self):
-        for path in SCENARIOS:
-            table = ssv("plan", path).stdout
-            plan = self.plans[path.stem]
-            self.assertIn(f"= {plan['cost']['J']:.3f}\n", table)
-            self.assertIn(plan["plan_hash"], table)
-            self.assertEqual(table.count("chosen"), 1)
-            self.assertLessEqual(max(map(len, table.splitlines())), 120)
+        for (name, method), plan in self.plans.items():
+            with self.subTest(f"{name} {method}"):
+                table = ssv("plan", HOST / "scenarios" / f"{name}.yaml", *METHODS[method]).stdout
+                self.assertIn(f"= {plan['cost']['J']:.3f}\n", table)
+                self.assertIn(plan["plan_hash"], table)
+                self.assertEqual(table.count("chosen"), 1)
+                self.assertLessEqual(max(map(len, table.splitlines())), 120)
+
+    def test_the_table_tells_the_lower_bound_and_how_far_off_the_plan_can_be(self):
+        for (name, method), plan in self.plans.items():
+            with self.subTest(f"{name} {method}"):
+                table = ssv("plan", HOST / "scenarios" / f"{name}.yaml", *METHODS[method]).stdout
+                least = plan["cost"]["J_lower_bound"]
+                self.assertIn(f"No plan of any kind costs less than {least:.3f}", table)
+                self.assertIn(f"at most {100 * (plan['cost']['J'] / least - 1):.1f} % above the best possible", table)
 
 
 class OutputTest(InFolder):
@@ -478,15 +524,15 @@ class OverLcmTest(InFolder):
 
     def test_the_answer_is_the_one_planned_in_process(self):
         with Daemon(URL):
-            for path in SCENARIOS:
-                for weights in ("1,0", "0,1", "1,1"):
-                    with self.subTest(f"{path.stem} {weights}"):
-                        done = self.ask(path, "--weights", weights)
-                        self.assertEqual(done.returncode, 0, done)
-                        here = json.loads(ssv("plan", path, "--format", "json", "--weights", weights).stdout)
-                        there = json.loads(done.stdout)
-                        self.assertNotEqual(here["request_id"], there["request_id"])
-                        self.assertEqual(without_stamp(here), without_stamp(there))
+            for path, weights, method in itertools.product(SCENARIOS, ("1,0", "0,1", "1,1"), METHODS):
+                with self.subTest(f"{path.stem} {weights} {method}"):
+                    arguments = ["--weights", weights, *METHODS[method]]
+                    done = self.ask(path, *arguments)
+                    self.assertEqual(done.returncode, 0, done)
+                    here = json.loads(ssv("plan", path, "--format", "json", *arguments).stdout)
+                    there = json.loads(done.stdout)
+                    self.assertNotEqual(here["request_id"], there["request_id"])
+                    self.assertEqual(without_stamp(here), without_stamp(there))
 
     def test_invalid_and_infeasible_come_back_with_the_same_reason_and_exit_code(self):
         with Daemon(URL):

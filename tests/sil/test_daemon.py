@@ -182,6 +182,7 @@ class Answers(DaemonTest):
         plan = daemon.ask(question(42, 7))
         self.assertEqual((plan.status, plan.reason, plan.request_id, plan.epoch_us), (OK, "", 42, 7))
         self.assertAlmostEqual(plan.cost, plan.time_s + plan.impulse_Ns, delta=1e-9 * plan.cost)
+        self.assertTrue(0 < plan.cost_lower_bound <= plan.cost)
         self.assertAlmostEqual(sum(leg.duration_s for leg in plan.legs), plan.time_s, delta=1e-9 * plan.time_s)
         self.assertAlmostEqual(sum(leg.impulse_Ns for leg in plan.legs), plan.impulse_Ns, delta=1e-9 * plan.impulse_Ns)
         last = plan.segments[-1]
@@ -258,6 +259,26 @@ class Answers(DaemonTest):
             self.assertEqual(plan.status, OK)
             self.assertAlmostEqual(plan.cost, exact.cost, delta=1e-9 * exact.cost)
             self.assertAlmostEqual(math.hypot(*plan.legs[0].X_IS_start.q), 1, delta=1e-12)
+
+    def test_options_of_zero_are_method_optimal_with_effort_quick_and_the_others_are_taken_too(self):
+        daemon = self.start()
+        choices = {"paper": ssv.options_t.METHOD_PAPER, "optimal": ssv.options_t.METHOD_OPTIMAL}
+        efforts = {"quick": ssv.options_t.EFFORT_QUICK, "best": ssv.options_t.EFFORT_BEST}
+        self.assertEqual((choices["optimal"], efforts["quick"]), (0, 0))
+        cost, hashes = {}, set()
+        for method in choices:
+            for effort in efforts:
+                q = changed(question(len(hashes) + 1), "options.method", choices[method])
+                plan = daemon.ask(changed(q, "options.effort", efforts[effort]))
+                self.assertEqual(plan.status, OK)
+                cost[method, effort] = plan.cost
+                hashes.add(plan.scenario_hash)
+                ramps = {leg.ramp for leg in plan.legs}
+                self.assertEqual(ramps == {ssv.leg_t.RAMP_OPTIMAL}, method == "optimal", ramps)
+        self.assertEqual(len(hashes), 4)
+        self.assertEqual(cost["paper", "quick"], cost["paper", "best"])
+        self.assertLess(cost["optimal", "quick"], cost["paper", "quick"])
+        self.assertLess(cost["optimal", "best"], cost["paper", "quick"])
 
     def test_a_flag_is_true_unless_its_byte_is_zero(self):
         flags = (0, 1, 2, 127, -1, -128)
@@ -346,8 +367,10 @@ INVALID_FIELDS = [  # what to change, to what, the reason's beginning, the count
     ("weight_time_per_s", -1.0, "weights.time: -1 is outside its range [0, 1000]", "range"),
     ("weight_impulse_per_Ns", -1e-300, "weights.impulse: -1e-300 is outside", "range"),
     ("weight_impulse_per_Ns", INF, "weights.impulse: inf is not", "not_finite"),
-    ("options.method", 1, "method: 1 is outside", "range"),
+    ("options.method", 2, "method: 2 is outside its range [0, 1]", "range"),
     ("options.method", -1, "method: -1 is outside", "range"),
+    ("options.effort", 2, "effort: 2 is outside its range [0, 1]", "range"),
+    ("options.effort", -128, "effort: -128 is outside", "range"),
     ("options.num_attach_heights", 9, "attach_heights_m: 9 is outside its range [0, 8]", "range"),
     ("options.num_attach_heights", -128, "attach_heights_m: -128 is outside", "range"),
     ("options.ring_angle_rad", 6.3, "ring_angle_rad: 6.3 is outside", "range"),
