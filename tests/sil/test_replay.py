@@ -5,6 +5,7 @@ on straight lines in time, which is what a segment holds. So its errors must van
 errors.
 """
 import copy
+import itertools
 import json
 import math
 import os
@@ -307,33 +308,54 @@ class CommandLine(unittest.TestCase):
 
 
 class PlannedFlight(unittest.TestCase):
-    """Every shipped scenario, in the style of either extreme of the weights, arrives when flown open loop."""
+    """Every shipped scenario arrives when its plan is flown open loop."""
 
-    def test_every_scenario_arrives_with_both_ramp_styles(self):
+    def plan(self, scenario, weights, *method):
+        """The plan's file and what is in it."""
+        planned = subprocess.run([BIN / "ssv", "plan", scenario, "--weights", weights, *method, "--format", "json"],
+                                 capture_output=True, timeout=300, check=False)
+        self.assertEqual(planned.returncode, 0, planned.stderr.decode())
+        return planned.stdout, json.loads(planned.stdout)
+
+    def assert_arrives(self, file, label):
+        run = replay(file, "--format", "json")
+        self.assertIn(run.returncode, (0, 3), run.stderr.decode())
+        result = json.loads(run.stdout)
+        for event in ("mate", "dock"):
+            print(f"{label:<42}{event:<6}{result[event]['position_error_mm']:>10.2e}"
+                  f"{result[event]['pointing_error_deg']:>11.2e}{result[event]['speed_m_s']:>10.1e}"
+                  f"{result[event]['rate_rad_s']:>10.1e}{result['impulse']['error_percent']:>11.1e}"
+                  f"{result['thrust']['max_over_force_max'] - 1:>15.1e}")
+            for name, limit in LIMITS.items():
+                self.assertLessEqual(result[event][name], limit, f"{event}.{name}")
+        self.assertLessEqual(result["thrust"]["max_over_force_max"], 1 + 1e-9)
+        self.assertEqual(run.returncode, 0, result["outside"])
+
+    def print_head(self):
         self.assertGreaterEqual(len(SCENARIOS), 5)
-        print(f"\n{'scenario':<24}{'ramps':<14}{'event':<6}{'mm':>10}{'deg':>11}{'m/s':>10}{'rad/s':>10}"
-              f"{'impulse %':>11}{'|u|/F_MAX - 1':>15}")
+        print(f"\n{'scenario, how':<42}{'event':<6}{'mm':>10}{'deg':>11}{'m/s':>10}{'rad/s':>10}{'impulse %':>11}"
+              f"{'|u|/F_MAX - 1':>15}")
+
+    def test_every_scenario_arrives_with_both_ramp_styles_of_the_paper(self):
+        self.print_head()
         for scenario in SCENARIOS:
             for weights, ramp in (("1,0", "full_reverse"), ("0,1", "drag_only")):
                 with self.subTest(scenario=scenario.name, weights=weights):
-                    planned = subprocess.run([BIN / "ssv", "plan", scenario, "--weights", weights, "--format", "json"],
-                                             capture_output=True, timeout=300, check=False)
-                    self.assertEqual(planned.returncode, 0, planned.stderr.decode())
-                    legs = json.loads(planned.stdout)["legs"]
-                    self.assertTrue(legs)
-                    self.assertEqual({leg["ramp"] for leg in legs}, {ramp})
-                    run = replay(planned.stdout, "--format", "json")
-                    self.assertIn(run.returncode, (0, 3), run.stderr.decode())
-                    result = json.loads(run.stdout)
-                    for event in ("mate", "dock"):
-                        print(f"{scenario.stem:<24}{ramp:<14}{event:<6}{result[event]['position_error_mm']:>10.2e}"
-                              f"{result[event]['pointing_error_deg']:>11.2e}{result[event]['speed_m_s']:>10.1e}"
-                              f"{result[event]['rate_rad_s']:>10.1e}{result['impulse']['error_percent']:>11.1e}"
-                              f"{result['thrust']['max_over_force_max'] - 1:>15.1e}")
-                        for name, limit in LIMITS.items():
-                            self.assertLessEqual(result[event][name], limit, f"{event}.{name}")
-                    self.assertLessEqual(result["thrust"]["max_over_force_max"], 1 + 1e-9)
-                    self.assertEqual(run.returncode, 0, result["outside"])
+                    file, plan = self.plan(scenario, weights, "--method", "paper")
+                    self.assertTrue(plan["legs"])
+                    self.assertEqual({leg["ramp"] for leg in plan["legs"]}, {ramp})
+                    self.assert_arrives(file, f"{scenario.stem}, {ramp}")
+
+    def test_every_scenario_arrives_by_method_optimal_at_a_price_between_the_lower_bound_and_the_paper_s(self):
+        self.print_head()
+        for scenario, weights in itertools.product(SCENARIOS, ("1,0", "1,0.1", "1,1", "0.01,1")):
+            paper = self.plan(scenario, weights, "--method", "paper")[1]["cost"]
+            for effort in ("quick", "best"):
+                with self.subTest(scenario=scenario.name, weights=weights, effort=effort):
+                    file, plan = self.plan(scenario, weights, "--method", "optimal", "--effort", effort)
+                    self.assertLessEqual(plan["cost"]["J"], paper["J"])
+                    self.assertLessEqual(plan["cost"]["J_lower_bound"], plan["cost"]["J"])
+                    self.assert_arrives(file, f"{scenario.stem}, {weights}, {effort}")
 
 
 if __name__ == "__main__":
