@@ -1,5 +1,5 @@
-"""The demo behind demo.sh: asks a planner of its own over LCM for the paper's case study and prints the paper's tables
-beside what comes back.
+"""The demo behind demo.sh: asks a planner of its own over LCM for the paper's case study, prints the paper's tables beside
+what comes back by the paper's method, and what method optimal saves.
 
     python3 demo.py BIN_FOLDER
 
@@ -25,7 +25,8 @@ ROOT = Path(__file__).resolve().parent.parent
 SCENARIO = ROOT / "host/scenarios/paper_case.yaml"
 PAPER_TABLES = ROOT / "tests/golden/paper_tables.csv"
 ATTACHMENTS = {"1": 1.524, "2": 0.0, "3": -1.524}  # the paper's number of the attachment: height along the beam [m]
-TIME, FUEL = "1,0", "0,1"  # weights; the paper's tables are for full thrust, as time alone asks for
+TIME, FUEL, BOTH = "1,0", "0,1", "1,1"  # weights; the paper's tables are for full thrust, as time alone asks for
+PAPER, OPTIMAL = ("--method", "paper"), ("--method", "optimal", "--effort", "best")
 NOTE_ABOVE = 0.002  # a larger difference gets its reason
 TITLES = {
     "5": "Table 5: the vehicle flies to the beam",
@@ -80,14 +81,23 @@ class Planner:
         return os.pread(self._log.fileno(), 1 << 20, 0).decode(errors="replace")
 
 
-def ask(bin_dir, attachment, weights):
-    """The plan for one attachment, as the planner gave it over LCM."""
-    scenario = SCENARIO.read_text() + f"attach_heights_m: [{ATTACHMENTS[attachment]}]\n"
-    command = [bin_dir / "ssv", "plan", "/dev/stdin", "--lcm", "--format", "json", "--weights", weights]
+def ask(bin_dir, scenario, method, weights):
+    """The plan, as the planner gave it over LCM."""
+    command = [bin_dir / "ssv", "plan", "/dev/stdin", "--lcm", "--format", "json", *method, "--weights", weights]
     done = subprocess.run(command, input=scenario, capture_output=True, text=True, preexec_fn=end_with_demo)
     if done.returncode != 0:
-        raise Failed(f"No plan for attachment {attachment} with weights {weights}.\n{done.stderr}")
+        raise Failed(f"No plan by method {method[1]} with weights {weights}.\n{done.stderr}")
     return json.loads(done.stdout)
+
+
+def one_attachment(number):
+    """The case study for one of the paper's attachments."""
+    return SCENARIO.read_text() + f"attach_heights_m: [{ATTACHMENTS[number]}]\n"
+
+
+def every_side():
+    """The case study for all attachments, with the side of the beam left to the planner."""
+    return re.sub(r"(?m)^ring_angle_rad:.*\n", "", SCENARIO.read_text())
 
 
 def rotation(q_start, q_end):
@@ -224,7 +234,20 @@ def print_winners(plans, paper_rows):
     print("The paper's fuel is that of full-thrust ramps; ours with weights 0, 1 lets drag slow the vehicle.")
 
 
-def print_effort(plans, log):
+def print_gain(paper, optimal):
+    print("\nWhat method optimal saves, all attachments compared, the side of the beam and everything else left to it")
+    print(f"{'':30}{'paper: J':>12}{'optimal: J':>12}{'saving':>10}{'no plan below':>16}")
+    for goal, weights in (
+        ("time alone (weights 1, 0)", TIME),
+        ("fuel alone (weights 0, 1)", FUEL),
+        ("both (weights 1, 1)", BOTH),
+    ):
+        before, after = paper[weights]["cost"], optimal[weights]["cost"]
+        saving = f"{100 * (1 - after['J'] / before['J']):.2f} %"
+        print(f"{goal:30}{before['J']:12.2f}{after['J']:12.2f}{saving:>10}{after['J_lower_bound']:16.2f}")
+
+
+def print_effort(what, plans, log):
     """What the planner's log says about the plans: size on the wire and time to plan."""
     sizes, times_ms = [], []
     for plan in plans:
@@ -233,7 +256,7 @@ def print_effort(plans, log):
             raise Failed(f"The planner's log does not tell of request {plan['request_id']}.")
         sizes.append(int(line[1]))
         times_ms.append(float(line[2]))
-    print(f"\n{len(plans)} plans received over LCM: {min(sizes)} to {max(sizes)} bytes each, "
+    print(f"{len(plans)} plans {what} received over LCM: {min(sizes)} to {max(sizes)} bytes each, "
           f"planned in {min(times_ms):.3f} to {max(times_ms):.3f} ms each.")
 
 
@@ -242,11 +265,20 @@ def run(bin_dir):
         paper_rows = list(csv.DictReader(file))
     with Planner(bin_dir) as planner:
         try:
-            plans = {weights: {a: ask(bin_dir, a, weights) for a in ATTACHMENTS} for weights in (TIME, FUEL)}
-            print("The paper's case study, planned by ssv-plannerd over LCM for each of the paper's three attachments.")
+            plans = {
+                weights: {a: ask(bin_dir, one_attachment(a), PAPER, weights) for a in ATTACHMENTS}
+                for weights in (TIME, FUEL)
+            }
+            paper = {weights: ask(bin_dir, SCENARIO.read_text(), PAPER, weights) for weights in (TIME, FUEL, BOTH)}
+            optimal = {weights: ask(bin_dir, every_side(), OPTIMAL, weights) for weights in (TIME, FUEL, BOTH)}
+            print("The paper's case study by the paper's method, planned by ssv-plannerd over LCM for each of its three attachments.")
             print_tables(plans[TIME], paper_rows)
             print_winners(plans, paper_rows)
-            print_effort([plan for of_weights in plans.values() for plan in of_weights.values()], planner.log())
+            print_gain(paper, optimal)
+            by_paper = [plan for of_weights in (*plans.values(), paper) for plan in of_weights.values()]
+            print()
+            print_effort("by the paper's method", by_paper, planner.log())
+            print_effort("by method optimal, effort best,", list(optimal.values()), planner.log())
         except Failed as failure:
             raise Failed(f"{failure}\nThe log of ssv-plannerd:\n{planner.log()}") from failure
 

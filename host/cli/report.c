@@ -205,7 +205,8 @@ static json_t* content_json(const lcm_ssv_scenario_t* question, const lcm_ssv_pl
                          question_json(question));
     }
     return json_pack(
-        "{s:I, s:{s:f, s:f, s:f, s:f}, s:{s:i, s:f, s:f, s:i}, s:o, s:[o, o], s:o, s:{s:o}, s:o, s:{s:o, s:o}, s:o, s:o, s:o}",
+        "{s:I, s:{s:f, s:f, s:f, s:f}, s:{s:i, s:f, s:f, s:i}, s:o, s:[o, o], s:o, s:{s:o}, s:o, s:{s:o, s:o}, s:o, s:o, "
+        "s:o}",
         "request_id", (json_int_t)answer->request_id,
         "cost", "J", answer->cost, "J_lower_bound", answer->cost_lower_bound, "time_s", answer->time_s,
         "impulse_Ns", answer->impulse_Ns,

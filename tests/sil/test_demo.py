@@ -57,8 +57,8 @@ class TablesTest(unittest.TestCase):
 
     def test_rows_marked_reproduced_are_within_their_tolerance(self):
         compared = 0
-        for attachment, height_m in self.demo.ATTACHMENTS.items():
-            text = self.demo.SCENARIO.read_text() + f"attach_heights_m: [{height_m}]\n"
+        for attachment in self.demo.ATTACHMENTS:
+            text = self.demo.one_attachment(attachment)
             command = [BIN / "ssv", "plan", "/dev/stdin", "--method", "paper", "--weights", "1,0", "--format", "json"]
             done = subprocess.run(command, input=text, capture_output=True, text=True, timeout=60)
             ours = self.demo.our_values(json.loads(done.stdout))
@@ -80,17 +80,24 @@ class TablesTest(unittest.TestCase):
                 else:
                     self.assertNotEqual(row["reason"], "")
 
-    def test_the_demo_prints_tables_winners_size_and_time(self):
+    def test_the_demo_prints_tables_winners_gain_size_and_time(self):
         done = subprocess.run([sys.executable, "-B", DEMO, BIN], capture_output=True, text=True, timeout=120,
                               env=ENVIRONMENT)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
-        for words in ("Table 5", "Table 6", "Table 7", "Why they differ", "6 plans received over LCM",
-                      "bytes each, planned in"):
+        for words in ("Table 5", "Table 6", "Table 7", "Why they differ",
+                      "9 plans by the paper's method received over LCM", "bytes each, planned in",
+                      "3 plans by method optimal, effort best, received over LCM"):
             self.assertIn(words, done.stdout)
         self.assertLessEqual(max(map(len, done.stdout.splitlines())), 120)
         lines = [line for line in done.stdout.splitlines() if line.startswith("for ")]
         ours = [line.split("(")[2].split()[-1] for line in lines]
         self.assertEqual(ours, ["2", "1"], "time favours the middle, fuel the end far from the contact")
+        gains = [line.rsplit(")", 1)[1].split() for line in done.stdout.splitlines()
+                 if line.startswith(("time alone", "fuel alone", "both "))]
+        self.assertEqual(len(gains), 3)
+        for paper, optimal, saving, _, least in gains:
+            self.assertTrue(0 < float(least) <= float(optimal) < float(paper))
+            self.assertAlmostEqual(float(saving), 100 * (1 - float(optimal) / float(paper)), delta=0.01)
         for line in done.stdout.splitlines():
             for field in [word for word in line.split() if word.endswith("%") and word[0] in "+-"]:
                 after = line.split(field, 1)[1].split()
