@@ -24,6 +24,21 @@ ssv_move_t ssv_move_turn(ssv_phase_t phase, vec3_t axis_S, real_t angle_rad, vec
     return move;
 }
 
+ssv_move_t ssv_move_between(ssv_phase_t phase, pose_t X_IS_from, pose_t X_IS_to) {
+    const pose_t X = pose_mul(pose_inv(X_IS_from), X_IS_to);
+    const real_t sign = X.q.w < REAL(0) ? REAL(-1) : REAL(1);
+    const vec3_t e = vec3_scale(sign, vec3(X.q.x, X.q.y, X.q.z));
+    const real_t sine = vec3_norm(e), half = real_atan2(sine, real_abs(X.q.w)), angle = real_mul(REAL(2), half);
+    if (angle < LENGTH_MIN) return ssv_move_translate(phase, X.p);
+    // The inverse of p = (s + (1 - cos s) [w] + (s - sin s) [w]^2) v.
+    const vec3_t w = vec3_unit(e), wp = vec3_cross(w, X.p);
+    const real_t bend = real_div(REAL(1) - real_div(real_mul(half, real_abs(X.q.w)), sine), angle);
+    const vec3_t v = vec3_add(vec3_scale(real_div(REAL(1), angle), X.p),
+                              vec3_add(vec3_scale(REAL(-0.5), wp), vec3_scale(bend, vec3_cross(w, wp))));
+    const bool pitched = real_abs(vec3_dot(v, w)) > LENGTH_MIN;
+    return (ssv_move_t){phase, pitched ? SSV_SCREW : SSV_TURN, {v, w}, angle};
+}
+
 pose_t ssv_move_pose(pose_t X_IS, ssv_twist_t twist, real_t s) {
     const vec3_t w = twist.w;
     pose_t X = {vec3_scale(s, twist.v), quat_identity()};
@@ -55,6 +70,19 @@ void ssv_move_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assemb
     trim(thrusts->linear);
     trim(thrusts->quadratic);
     thrusts->force_max_N = problem->scenario.vehicle.force_max_N;
+}
+
+real_t ssv_metre_price(const ssv_problem_t* problem, vec3_t n_S) {
+    const ssv_scenario_t* s = &problem->scenario;
+    const vec3_t zero = vec3(REAL(0), REAL(0), REAL(0));
+    real_t u[SSV_NUM_THRUSTERS], largest = REAL(0), sum = REAL(0);
+    // Thrusts are proportional to the speed, so the cheapest speed is the highest.
+    ssv_alloc(&problem->allocation, vec3_scale(s->vehicle.body.drag_lin_kg_s, n_S), zero, u);
+    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+        largest = real_max(largest, real_abs(u[i]));
+        sum += real_abs(u[i]);
+    }
+    return real_mul(s->weight_time_per_s, real_div(largest, s->vehicle.force_max_N)) + real_mul(s->weight_impulse_per_Ns, sum);
 }
 
 bool ssv_price_beats(const ssv_price_t* a, const ssv_price_t* b) {

@@ -27,8 +27,16 @@ ssv_move_t ssv_move_translate(ssv_phase_t phase, vec3_t displacement_S);
 /// Turn by angle_rad >= 0 about the unit vector axis_S through pivot_S [m].
 ssv_move_t ssv_move_turn(ssv_phase_t phase, vec3_t axis_S, real_t angle_rad, vec3_t pivot_S);
 
+/// The one screw, the shorter way round, that takes the vehicle from one pose to another: a translation where the attitudes agree,
+/// a turn where it has no pitch.
+ssv_move_t ssv_move_between(ssv_phase_t phase, pose_t X_IS_from, pose_t X_IS_to);
+
 /// Pose of S after distance s along the twist: X_IS exp(twist s).
 pose_t ssv_move_pose(pose_t X_IS, ssv_twist_t twist, real_t s);
+
+/// Cost per metre of a straight flight along the unit body direction n_S at its cheapest speed, by the vehicle's linear drag
+/// alone: no straight flight along it costs less, with or without a beam.
+real_t ssv_metre_price(const ssv_problem_t* problem, vec3_t n_S);
 
 /// Thrusts along a move of this assembly (DESIGN.md 4).
 void ssv_move_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assembly, ssv_twist_t twist, ssv_thrusts_t* thrusts);

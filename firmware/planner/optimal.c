@@ -4,38 +4,23 @@
 // direction flown in; the turns at its ends take seconds. So travel attitudes are drawn from body directions that are cheap
 // per metre, rolled about the line of flight, ranked by an estimate, and the best are refined by a pattern search on the real
 // price of both turns.
-#include "planner/alloc.h"
 #include "planner/search.h"
 
 #define NUM_DIRECTIONS 26
 #define NUM_ROLLS 12
 #define NUM_MATE_ROLLS 8
-#define MAX_STARTS 6
-#define MAX_PARAMETERS 6
+#define MAX_STARTS 32
+#define MAX_PARAMETERS 9
 
 // Directions this much dearer per metre than the cheapest are not drawn; the pattern search still finds its way in between.
 #define DIRECTION_SLACK REAL(1.15)
 
+// Travel attitudes that are priced, how many of the cheapest are refined, and sweeps of the pattern search on each.
 typedef struct {
-    int starts, sweeps; // travel attitudes that are refined, and sweeps of the pattern search on each
+    int starts, refined, sweeps;
 } effort_t;
 
-static const effort_t quick = {1, 3}, best_effort = {4, 12};
-
-// ---- Prices that need no profile ----------------------------------------------------------------------------------------
-
-// Cost per metre of a straight flight along the body direction n at its cheapest speed, by the vehicle's linear drag: the
-// thrusts are proportional to the speed, so the cheapest is the fastest.
-static real_t metre_price(const ssv_problem_t* problem, vec3_t n) {
-    const ssv_scenario_t* s = &problem->scenario;
-    real_t u[SSV_NUM_THRUSTERS], largest = REAL(0), sum = REAL(0);
-    ssv_alloc(&problem->allocation, vec3_scale(s->vehicle.body.drag_lin_kg_s, n), vec3(REAL(0), REAL(0), REAL(0)), u);
-    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-        largest = real_max(largest, real_abs(u[i]));
-        sum += real_abs(u[i]);
-    }
-    return real_mul(s->weight_time_per_s, real_div(largest, s->vehicle.force_max_N)) + real_mul(s->weight_impulse_per_Ns, sum);
-}
+static const effort_t effort_levels[] = {[SSV_EFFORT_QUICK] = {6, 1, 3}, [SSV_EFFORT_BEST] = {MAX_STARTS, 4, 14}};
 
 typedef struct {
     int num;
@@ -53,7 +38,7 @@ static void cheap_directions(const ssv_problem_t* problem, directions_t* d) {
             for (int z = -1; z <= 1; z++) {
                 if (x == 0 && y == 0 && z == 0) continue;
                 n[num] = vec3_unit(vec3(real_from_int(x), real_from_int(y), real_from_int(z)));
-                price[num] = metre_price(problem, n[num]);
+                price[num] = ssv_metre_price(problem, n[num]);
                 if (num == 0 || price[num] < least) least = price[num];
                 num++;
             }
@@ -85,42 +70,31 @@ static quat_t align(vec3_t from, vec3_t to) {
     return quat_from_axis_angle(axis[0], angle);
 }
 
-// The shorter way round from one attitude to another, about a pivot.
-static ssv_move_t turn_between(ssv_phase_t phase, quat_t q_from, quat_t q_to, vec3_t pivot_S) {
-    quat_t q = quat_mul(quat_conj(q_from), q_to);
-    if (q.w < REAL(0)) q = (quat_t){-q.w, -q.x, -q.y, -q.z};
-    const vec3_t e = vec3(q.x, q.y, q.z);
-    const real_t sine = vec3_norm(e);
-    const vec3_t axis = sine > REAL(1e-12) ? vec3_unit(e) : vec3(REAL(0), REAL(0), REAL(1));
-    return ssv_move_turn(phase, axis, real_mul(REAL(2), real_atan2(sine, q.w)), pivot_S);
+// Angle of the shorter turn from one attitude to another.
+static real_t turn_angle(quat_t q_from, quat_t q_to) {
+    const quat_t q = quat_mul(quat_conj(q_from), q_to);
+    return real_mul(REAL(2), real_atan2(vec3_norm(vec3(q.x, q.y, q.z)), real_abs(q.w)));
 }
 
 static real_t angle_between(vec3_t a, vec3_t b) { return real_atan2(vec3_norm(vec3_cross(a, b)), vec3_dot(a, b)); }
 
-// Turn about a pivot, translate, turn about a pivot, from X_from to X_to through travel attitude q_IT.
-static void lay_flight(ssv_phase_t phase, pose_t X_from, pose_t X_to, quat_t q_IT, const vec3_t pivot_S[2], ssv_flight_t* flight) {
-    const ssv_move_t first = turn_between(phase, X_from.q, q_IT, pivot_S[0]);
-    const ssv_move_t last = turn_between(phase, q_IT, X_to.q, pivot_S[1]);
-    const pose_t X_depart = ssv_move_pose(X_from, first.twist, first.length);
-    const vec3_t p_IA_m = vec3_add(X_to.p, vec3_sub(quat_apply(X_to.q, pivot_S[1]), quat_apply(q_IT, pivot_S[1])));
-    flight->num_moves = SSV_MAX_PHASE_MOVES;
-    flight->move[0] = first;
-    flight->move[1] = ssv_move_translate(phase, quat_apply(quat_conj(X_depart.q), vec3_sub(p_IA_m, X_depart.p)));
-    flight->move[2] = last;
+// Where the vehicle stands after turning about a pivot from X to another attitude.
+static pose_t turned(pose_t X, quat_t q_to, vec3_t pivot_S) {
+    return (pose_t){vec3_add(X.p, vec3_sub(quat_apply(X.q, pivot_S), quat_apply(q_to, pivot_S))), q_to};
 }
 
-// Price of a flight with real turns and the straight part by its price per metre.
-static real_t estimate(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_flight_t* flight, bool* feasible) {
-    const ssv_price_t first = turn_price(problem, assembly, &flight->move[0]);
-    const ssv_price_t last = turn_price(problem, assembly, &flight->move[2]);
-    *feasible = first.outcome == SSV_FEASIBLE && last.outcome == SSV_FEASIBLE;
-    return first.cost + last.cost + real_mul(flight->move[1].length, metre_price(problem, flight->move[1].twist.v));
+// Turn about a pivot, fly on while turning from one travel attitude to the other, turn about a pivot.
+static void lay_flight(ssv_phase_t phase, pose_t X_from, pose_t X_to, const quat_t q_IT[2], const vec3_t pivot_S[2],
+                       ssv_flight_t* flight) {
+    const pose_t via[4] = {X_from, turned(X_from, q_IT[0], pivot_S[0]), turned(X_to, q_IT[1], pivot_S[1]), X_to};
+    flight->num_moves = SSV_MAX_PHASE_MOVES;
+    for (int k = 0; k < SSV_MAX_PHASE_MOVES; k++) flight->move[k] = ssv_move_between(phase, via[k], via[k + 1]);
 }
 
 // ---- What is chosen -----------------------------------------------------------------------------------------------------
 
-// A phase's free numbers: a change of travel attitude [rad], and for the transfer the roll of the vehicle about its contact
-// axis [rad] and both pivots as fractions of the way from S to C.
+// A phase's free numbers: changes of the travel attitude as the flight starts and ends [rad], and for the transfer the roll of
+// the vehicle about its contact axis [rad] and both pivots as fractions of the way from S to C.
 typedef struct {
     quat_t q_IT;
     real_t x[MAX_PARAMETERS];
@@ -144,21 +118,25 @@ typedef struct {
     ssv_flight_t flight;
 } motion_t;
 
-static quat_t travel_attitude(const trial_t* trial) {
-    const vec3_t change = vec3(trial->x[0], trial->x[1], trial->x[2]);
-    const real_t angle = vec3_norm(change);
-    if (!(angle > REAL(0))) return trial->q_IT;
-    return quat_unit(quat_mul(trial->q_IT, quat_from_axis_angle(vec3_unit(change), angle)));
+static void travel_attitudes(const trial_t* trial, quat_t q_IT[2]) {
+    for (int end = 0; end < 2; end++) {
+        const vec3_t change = vec3(trial->x[3 * end], trial->x[3 * end + 1], trial->x[3 * end + 2]);
+        const real_t angle = vec3_norm(change);
+        q_IT[end] = trial->q_IT;
+        if (!(angle > REAL(0))) continue;
+        q_IT[end] = quat_unit(quat_mul(trial->q_IT, quat_from_axis_angle(vec3_unit(change), angle)));
+    }
 }
 
 // The transfer that travels with this attitude and mate roll. The beam's axis is where the vehicle holds it, so the smallest
 // turns bring it there from where it lies and on to where it docks; they fix the ring angle and the roll of the docked beam.
 static void lay_transfer(const task_t* task, const trial_t* trial, motion_t* motion) {
     const ssv_scenario_t* s = &task->problem->scenario;
-    const quat_t q_IT = travel_attitude(trial);
-    const vec3_t axis_S = vec3(REAL(0), real_cos(trial->x[3]), real_sin(trial->x[3]));
-    const vec3_t axis_travel = quat_apply(q_IT, axis_S), axis_start = quat_apply(s->X_IB.q, vec3(REAL(0), REAL(0), REAL(1)));
-    quat_t q_IS = quat_unit(quat_mul(align(axis_travel, axis_start), q_IT));
+    quat_t q_IT[2];
+    travel_attitudes(trial, q_IT);
+    const vec3_t axis_S = vec3(REAL(0), real_cos(trial->x[6]), real_sin(trial->x[6]));
+    const vec3_t axis_start = quat_apply(s->X_IB.q, vec3(REAL(0), REAL(0), REAL(1)));
+    quat_t q_IS = quat_unit(quat_mul(align(quat_apply(q_IT[0], axis_S), axis_start), q_IT[0]));
     vec3_t outward_B = quat_apply(quat_conj(s->X_IB.q), vec3_neg(quat_apply(q_IS, vec3(REAL(1), REAL(0), REAL(0)))));
     motion->grasp = (ssv_grasp_t){task->contact, task->height_m, real_atan2(outward_B.y, outward_B.x)};
     if (s->ring_angle_given) {
@@ -171,11 +149,11 @@ static void lay_transfer(const task_t* task, const trial_t* trial, motion_t* mot
 
     const vec3_t p_BE = ssv_grasp_contact(s, task->contact);
     const vec3_t p_SE = pose_mul(motion->assembly.X_SB, (pose_t){p_BE, quat_identity()}).p;
-    const vec3_t outward_travel = task->contact == 1 ? vec3_neg(axis_travel) : axis_travel;
-    const quat_t q_dock = quat_unit(quat_mul(align(outward_travel, vec3_neg(s->axis_I)), q_IT));
+    const vec3_t outward = quat_apply(q_IT[1], task->contact == 1 ? vec3_neg(axis_S) : axis_S);
+    const quat_t q_dock = quat_unit(quat_mul(align(outward, vec3_neg(s->axis_I)), q_IT[1]));
     const pose_t X_dock = {vec3_sub(s->p_IP_m, quat_apply(q_dock, p_SE)), q_dock};
     const vec3_t centre = ssv_body_centre(&motion->assembly);
-    const vec3_t pivot[2] = {vec3_scale(trial->x[4], centre), vec3_scale(trial->x[5], centre)};
+    const vec3_t pivot[2] = {vec3_scale(trial->x[7], centre), vec3_scale(trial->x[8], centre)};
     lay_flight(SSV_TRANSFER, motion->X_from, X_dock, q_IT, pivot, &motion->flight);
 }
 
@@ -187,21 +165,24 @@ static void lay(const task_t* task, const trial_t* trial, motion_t* motion) {
     const vec3_t centre[2] = {{REAL(0), REAL(0), REAL(0)}, {REAL(0), REAL(0), REAL(0)}};
     motion->assembly = ssv_vehicle_alone(task->problem);
     motion->X_from = task->X_from;
-    lay_flight(SSV_TRANSIT, task->X_from, task->X_to, travel_attitude(trial), centre, &motion->flight);
+    quat_t q_IT[2];
+    travel_attitudes(trial, q_IT);
+    lay_flight(SSV_TRANSIT, task->X_from, task->X_to, q_IT, centre, &motion->flight);
 }
 
 static bool try_price(task_t* task, const trial_t* trial, real_t* price) {
     motion_t motion;
-    bool feasible;
     lay(task, trial, &motion);
-    *price = estimate(task->problem, &motion.assembly, &motion.flight, &feasible);
+    ssv_flight_price(task->problem, &motion.assembly, motion.X_from, &motion.flight);
+    *price = motion.flight.price.cost;
     task->num_priced++;
-    return feasible;
+    return motion.flight.price.outcome == SSV_FEASIBLE;
 }
 
 // Compass search: each number in turn a step up and down, keeping what is cheaper; all steps halve after a sweep in vain.
 static void refine(task_t* task, int sweeps, trial_t* trial, real_t* price) {
-    static const real_t start[MAX_PARAMETERS] = {REAL(0.2), REAL(0.2), REAL(0.2), REAL(0.3), REAL(0.5), REAL(0.5)};
+    static const real_t start[MAX_PARAMETERS] = {REAL(0.2), REAL(0.2), REAL(0.2), REAL(0.2), REAL(0.2), REAL(0.2),
+                                                REAL(0.3), REAL(0.5), REAL(0.5)};
     real_t scale = REAL(1);
     for (int n = 0; n < sweeps; n++) {
         bool improved = false;
@@ -248,9 +229,11 @@ static real_t one_radian(const ssv_problem_t* problem, const ssv_assembly_t* ass
     return price.cost;
 }
 
-// Travel attitudes for a flight along direction_I: cheap body directions, rolled about the line.
-static void draw(task_t* task, const directions_t* directions, vec3_t direction_I, real_t distance, int most, start_t* list,
-                 int* num) {
+// Travel attitudes for a flight along way_I: cheap body directions, rolled about the line. Where there is no way to go, along
+// other_I. @return how many were written, cheapest first by estimate.
+static int draw(task_t* task, const directions_t* directions, vec3_t way_I, vec3_t other_I, int most, start_t* list) {
+    const real_t distance = vec3_norm(way_I);
+    const vec3_t direction_I = distance > REAL(1e-6) ? vec3_unit(way_I) : other_I;
     const ssv_scenario_t* s = &task->problem->scenario;
     const bool carries = task->phase == SSV_TRANSFER;
     const vec3_t axis_start = quat_apply(s->X_IB.q, vec3(REAL(0), REAL(0), REAL(1)));
@@ -264,7 +247,7 @@ static void draw(task_t* task, const directions_t* directions, vec3_t direction_
                                  align(vec3(REAL(0), REAL(0), REAL(1)), vec3(REAL(0), REAL(1), REAL(0)))};
     }
     const real_t one_rad = one_radian(task->problem, &assembly, vec3(REAL(0), REAL(0), REAL(1)));
-    *num = 0;
+    int num = 0;
     for (int k = 0; k < directions->num; k++) {
         const quat_t q_line = align(directions->n[k], direction_I);
         for (int r = 0; r < NUM_ROLLS; r++) {
@@ -277,66 +260,71 @@ static void draw(task_t* task, const directions_t* directions, vec3_t direction_
                 if (carries) {
                     const real_t mate_roll = real_div(real_mul(turn, real_from_int(m)), real_from_int(NUM_MATE_ROLLS));
                     const vec3_t axis = quat_apply(start.trial.q_IT, vec3(REAL(0), real_cos(mate_roll), real_sin(mate_roll)));
-                    start.trial.x[3] = mate_roll;
+                    start.trial.x[6] = mate_roll;
                     start.price += turn_guess(one_rad, angle_between(axis_start, axis)) +
                                    turn_guess(one_rad, angle_between(axis, axis_end));
                 } else {
-                    const ssv_move_t first = turn_between(SSV_TRANSIT, task->X_from.q, start.trial.q_IT, vec3_scale(REAL(0), axis_end));
-                    const ssv_move_t last = turn_between(SSV_TRANSIT, start.trial.q_IT, task->X_to.q, vec3_scale(REAL(0), axis_end));
-                    start.price += turn_guess(one_rad, first.length) + turn_guess(one_rad, last.length);
+                    start.price += turn_guess(one_rad, turn_angle(task->X_from.q, start.trial.q_IT)) +
+                                   turn_guess(one_rad, turn_angle(start.trial.q_IT, task->X_to.q));
                 }
-                keep(list, num, most, &start);
+                keep(list, &num, most, &start);
             }
         }
     }
+    return num;
 }
 
-// Refines the starts and prices the best motion in full.
-static bool settle(task_t* task, const effort_t* effort, start_t* list, int num, motion_t* motion) {
-    int best = -1;
-    for (int k = 0; k < num; k++) {
-        if (!try_price(task, &list[k].trial, &list[k].price)) continue;
-        refine(task, effort->sweeps, &list[k].trial, &list[k].price);
-        if (best < 0 || list[k].price < list[best].price) best = k;
+static void sort(start_t* list, int num) {
+    for (int i = 1; i < num; i++) {
+        const start_t item = list[i];
+        int k = i;
+        for (; k > 0 && item.price < list[k - 1].price; k--) list[k] = list[k - 1];
+        list[k] = item;
     }
-    if (best < 0) return false;
-    lay(task, &list[best].trial, motion);
+}
+
+// Prices the starts, refines the cheapest if asked to, and lays out the best motion.
+static bool settle(task_t* task, const effort_t* effort, bool thorough, start_t* list, int num, motion_t* motion) {
+    int priced = 0;
+    for (int k = 0; k < num; k++) {
+        if (try_price(task, &list[k].trial, &list[k].price)) list[priced++] = list[k];
+    }
+    if (priced == 0) return false;
+    sort(list, priced);
+    for (int k = 0; thorough && k < priced && k < effort->refined; k++) {
+        refine(task, effort->sweeps, &list[k].trial, &list[k].price);
+    }
+    sort(list, priced);
+    lay(task, &list[0].trial, motion);
     ssv_flight_price(task->problem, &motion->assembly, motion->X_from, &motion->flight);
     return motion->flight.price.outcome == SSV_FEASIBLE;
 }
 
-void ssv_search_optimal(const ssv_problem_t* problem, int contact, real_t height_m, ssv_chain_t* best, int* num_priced) {
+void ssv_search_optimal(const ssv_problem_t* problem, int contact, real_t height_m, bool thorough, ssv_chain_t* best,
+                        int* num_priced) {
     const ssv_scenario_t* s = &problem->scenario;
-    const effort_t* effort = s->effort == SSV_EFFORT_BEST ? &best_effort : &quick;
+    const effort_t* effort = &effort_levels[s->effort];
+    const vec3_t axis_start = quat_apply(s->X_IB.q, vec3(REAL(0), REAL(0), REAL(1)));
     directions_t directions;
     start_t list[MAX_STARTS];
-    int num;
-    ssv_search_paper(problem, contact, height_m, best, num_priced);
+    motion_t to_port, to_beam;
     cheap_directions(problem, &directions);
 
+    // The phases hang together by little more than the height: the transfer is chosen first, the transit flies to where it starts.
     task_t carry = {problem, SSV_TRANSFER, contact, height_m, s->X_IS, s->X_IS, MAX_PARAMETERS, 0};
-    const vec3_t axis_start = quat_apply(s->X_IB.q, vec3(REAL(0), REAL(0), REAL(1)));
     const real_t from_contact = real_abs(ssv_grasp_contact(s, contact).z - height_m);
     const vec3_t way = vec3_sub(vec3_add(s->p_IP_m, vec3_scale(from_contact, s->axis_I)),
                                 vec3_add(s->X_IB.p, vec3_scale(height_m, axis_start)));
-    const real_t distance = vec3_norm(way);
-    motion_t to_port, to_beam;
-    const vec3_t line = distance > REAL(1e-6) ? vec3_unit(way) : axis_start;
-    draw(&carry, &directions, line, distance, effort->starts, list, &num);
-    bool found = settle(&carry, effort, list, num, &to_port);
-
-    if (found) {
-        task_t fly = {problem, SSV_TRANSIT, contact, height_m, s->X_IS, to_port.X_from, 3, 0};
-        const vec3_t transit_way = vec3_sub(to_port.X_from.p, s->X_IS.p);
-        const real_t transit_distance = vec3_norm(transit_way);
-        draw(&fly, &directions, transit_distance > REAL(1e-6) ? vec3_unit(transit_way) : axis_start, transit_distance,
-             effort->starts, list, &num);
-        found = settle(&fly, effort, list, num, &to_beam);
-        *num_priced += fly.num_priced;
-    }
+    int num = draw(&carry, &directions, way, axis_start, effort->starts, list);
+    const bool carried = settle(&carry, effort, thorough, list, num, &to_port);
     *num_priced += carry.num_priced;
-    if (!found) return;
-    ssv_chain_t chain;
-    ssv_chain_join(&to_port.grasp, &to_beam.flight, &to_port.flight, to_port.assembly.X_SB, &chain);
-    if (ssv_price_beats(&chain.price, &best->price)) *best = chain;
+    best->grasp = (ssv_grasp_t){contact, height_m, REAL(0)};
+    best->price = (ssv_price_t){SSV_NO_AUTHORITY, REAL(0), REAL(0), REAL(0)};
+    if (!carried) return;
+
+    task_t fly = {problem, SSV_TRANSIT, contact, height_m, s->X_IS, to_port.X_from, 6, 0};
+    num = draw(&fly, &directions, vec3_sub(to_port.X_from.p, s->X_IS.p), axis_start, effort->starts, list);
+    const bool flown = settle(&fly, effort, thorough, list, num, &to_beam);
+    *num_priced += fly.num_priced;
+    if (flown) ssv_chain_join(&to_port.grasp, &to_beam.flight, &to_port.flight, to_port.assembly.X_SB, best);
 }

@@ -93,11 +93,59 @@ static int cheapest(const ssv_plan_t* plan) {
     return best;
 }
 
+// No price is above it.
+#define NEVER_GIVE_UP REAL(1e9)
+// Candidates that SSV_METHOD_OPTIMAL searches thoroughly, by effort: the cheapest after a first look at all.
+static const int num_thorough[] = {[SSV_EFFORT_QUICK] = 1, [SSV_EFFORT_BEST] = 3};
+
+// Searches one candidate again and keeps what is cheaper, in the table and among all.
+static void improve(ssv_plan_t* plan, int k, const ssv_chain_t* chain, ssv_chain_t* best) {
+    if (chain->price.outcome == SSV_FEASIBLE &&
+        (plan->candidate[k].outcome != SSV_FEASIBLE || chain->price.cost < plan->candidate[k].cost)) {
+        plan->candidate[k] = candidate_of(chain);
+    }
+    if (ssv_price_beats(&chain->price, &best->price)) *best = *chain;
+}
+
+// The cheapest chain of a candidate, whatever it takes.
 static void search(const ssv_problem_t* problem, int contact, real_t height_m, ssv_chain_t* chain, int* num_priced) {
     if (problem->scenario.method == SSV_METHOD_PAPER) {
-        ssv_search_paper(problem, contact, height_m, chain, num_priced);
-    } else {
-        ssv_search_optimal(problem, contact, height_m, chain, num_priced);
+        (void)ssv_search_paper(problem, contact, height_m, NEVER_GIVE_UP, chain, num_priced);
+        return;
+    }
+    ssv_chain_t paper;
+    ssv_search_optimal(problem, contact, height_m, true, chain, num_priced);
+    const real_t give_up = chain->price.outcome == SSV_FEASIBLE ? chain->price.cost : NEVER_GIVE_UP;
+    if (ssv_search_paper(problem, contact, height_m, give_up, &paper, num_priced) &&
+        ssv_price_beats(&paper.price, &chain->price)) {
+        *chain = paper;
+    }
+}
+
+// A first look at every candidate, then a thorough search of the cheapest; last the paper's chains, where their straight
+// flights alone do not cost more than what is found, so that no method beats this one.
+static void search_optimal(const ssv_problem_t* problem, ssv_plan_t* plan, ssv_chain_t* best) {
+    const ssv_scenario_t* scenario = &problem->scenario;
+    bool done[SSV_MAX_CANDIDATES] = {false};
+    ssv_chain_t chain;
+    for (int n = 0; n < num_thorough[scenario->effort]; n++) {
+        int next = -1;
+        for (int k = 0; k < plan->num_candidates; k++) {
+            if (done[k] || plan->candidate[k].outcome != SSV_FEASIBLE) continue;
+            if (next < 0 || plan->candidate[k].cost < plan->candidate[next].cost) next = k;
+        }
+        if (next < 0) break;
+        const ssv_candidate_t* candidate = &plan->candidate[next];
+        done[next] = true;
+        ssv_search_optimal(problem, candidate->contact, candidate->attach_height_m, true, &chain, &plan->num_priced);
+        improve(plan, next, &chain, best);
+    }
+    for (int k = 0; k < plan->num_candidates; k++) {
+        const ssv_candidate_t* candidate = &plan->candidate[k];
+        const real_t give_up = best->price.outcome == SSV_FEASIBLE ? best->price.cost : NEVER_GIVE_UP;
+        if (ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, give_up, &chain, &plan->num_priced)) {
+            improve(plan, k, &chain, best);
+        }
     }
 }
 
@@ -110,11 +158,17 @@ ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_plan_t* plan) {
     for (int contact = 1; contact <= SSV_NUM_CONTACTS; contact++) {
         if (scenario->contact != 0 && scenario->contact != contact) continue;
         for (int k = 0; k < scenario->num_attach_heights; k++) {
-            search(problem, contact, scenario->attach_heights_m[k], &chain, &plan->num_priced);
-            if (ssv_price_beats(&chain.price, &best.price)) best = chain;
+            const real_t height_m = scenario->attach_heights_m[k];
+            if (scenario->method == SSV_METHOD_PAPER) {
+                search(problem, contact, height_m, &chain, &plan->num_priced);
+            } else {
+                ssv_search_optimal(problem, contact, height_m, false, &chain, &plan->num_priced);
+            }
             plan->candidate[plan->num_candidates++] = candidate_of(&chain);
+            if (ssv_price_beats(&chain.price, &best.price)) best = chain;
         }
     }
+    if (scenario->method == SSV_METHOD_OPTIMAL) search_optimal(problem, plan, &best);
     // A candidate may still fail to fit the plan's memory; then the next best is searched once more and written.
     for (int k = cheapest(plan); k >= 0; k = cheapest(plan)) {
         ssv_candidate_t* candidate = &plan->candidate[k];

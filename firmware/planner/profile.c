@@ -11,6 +11,8 @@
 #define TERMINAL_MARGIN REAL(5.9604644775390625e-8)
 // Two laws closer than this fraction of their size are one law: the rest is rounding.
 #define SAME_LAW REAL(1e-11)
+// Thrusters whose laws agree this closely are one to the rules.
+#define SAME_THRUSTER REAL(1e-13)
 // The next knot lies at least this fraction of the top speed beyond the last; a law found out of place in between is so by
 // rounding only.
 #define PROBE REAL(9.3132257461547852e-10)
@@ -54,9 +56,12 @@ typedef struct {
     real_t top;   // speeds go up to here
     real_t total; // sum of |accel|
     real_t weight_time, weight_impulse, lambda; // of the thrifty policies; lambda is the marginal cost of distance
-    bool acts[N];
+    bool acts[N];     // false also for a thruster whose laws are those of an earlier one
+    real_t weight[N]; // |accel| of all thrusters with these laws
     law_t up[N], brake[N], idle[N];
 } laws_t;
+
+static bool same(real_t a, real_t b) { return real_abs(a - b) <= real_mul(SAME_THRUSTER, real_abs(a) + real_abs(b)); }
 
 static bool laws_init(const ssv_thrusts_t* thrusts, laws_t* laws) {
     real_t largest = REAL(0);
@@ -73,6 +78,13 @@ static bool laws_init(const ssv_thrusts_t* thrusts, laws_t* laws) {
         laws->idle[i] = (law_t){{REAL(0), c1, c2}, REAL(0)};
         laws->up[i] = (law_t){{limit, c1, c2}, REAL(0)};
         laws->brake[i] = (law_t){{-limit, c1, c2}, REAL(0)};
+        laws->weight[i] = real_abs(A);
+        for (int j = 0; j < i && laws->acts[i]; j++) {
+            const real_t* c = laws->up[j].c;
+            if (!laws->acts[j] || !same(c[0], limit) || !same(c[1], c1) || !same(c[2], c2)) continue;
+            laws->acts[i] = false;
+            laws->weight[j] += real_abs(A);
+        }
     }
     return largest > REAL(0);
 }
@@ -116,7 +128,7 @@ static const law_t* limit_at(const laws_t* laws, bool up, real_t v) {
 static real_t kinks_below(const laws_t* laws, const law_t* law, real_t v) {
     real_t sum = REAL(0);
     for (int i = 0; i < N; i++) {
-        if (laws->acts[i] && compare(laws, &laws->idle[i], law, v) <= 0) sum += real_abs(laws->thrusts->accel[i]);
+        if (laws->acts[i] && compare(laws, &laws->idle[i], law, v) <= 0) sum += laws->weight[i];
     }
     return sum;
 }
@@ -377,8 +389,6 @@ static void ramp_start(ramp_table_t* ramp) {
     ramp->v[0] = REAL(0);
 }
 
-static real_t ramp_length(const ramp_table_t* ramp) { return ramp->reach[ramp->num]; }
-
 static ssv_outcome_t solve_paper(laws_t* laws, const ssv_rule_t* rule, real_t distance, real_t top, motion_t* m) {
     const real_t reverse_from = rule->ramp == SSV_DRAG_ONLY ? real_min(rule->cutoff, top) : top;
     laws_up_to(laws, top);
@@ -436,16 +446,31 @@ static real_t cruise_speed(const laws_t* laws, real_t top) {
     return best;
 }
 
-// Both ramps from rest to the peak, with the marginal cost of distance that makes this peak the right one.
-static bool thrifty_ramps(laws_t* laws, real_t peak, motion_t* m) {
+// Whether drag only ever resists: then nothing but full thrust speeds up best.
+static bool always_resists(const laws_t* laws) {
+    for (int i = 0; i < N; i++) {
+        if (laws->acts[i] && (laws->idle[i].c[1] > REAL(0) || laws->idle[i].c[2] > REAL(0))) return false;
+    }
+    return true;
+}
+
+// Both ramps from rest to the peak, with the marginal cost of distance that makes this peak the right one; the distance left
+// between them is cruised. A ramp of full thrust ahead, which no marginal cost changes, is kept from the first call.
+static bool thrifty_ramps(laws_t* laws, real_t peak, real_t distance, bool keep_up, motion_t* m) {
+    const bool resists = always_resists(laws);
+    real_t a;
     laws_up_to(laws, peak);
     m->peak = peak;
     laws->lambda = real_div(cost_rate(laws, peak, REAL(0)), peak);
-    ramp_start(&m->up);
+    if (!keep_up || !resists) {
+        ramp_start(&m->up);
+        if (!ramp_extend(laws, resists ? SPEED_UP : THRIFTY_UP, peak, &m->up)) return false;
+        ramp_measure(&m->up);
+    }
     ramp_start(&m->slow);
-    if (!ramp_extend(laws, THRIFTY_UP, peak, &m->up) || !ramp_extend(laws, THRIFTY_SLOW, peak, &m->slow)) return false;
-    ramp_measure(&m->up);
+    if (!ramp_extend(laws, THRIFTY_SLOW, peak, &m->slow)) return false;
     ramp_measure(&m->slow);
+    m->cruise = distance - ramp_reach(&m->up, peak, &a) - m->slow.reach[m->slow.num];
     return true;
 }
 
@@ -457,9 +482,8 @@ static ssv_outcome_t solve_optimal(laws_t* laws, const ssv_rule_t* rule, real_t 
     real_t low = REAL(0), low_miss = -REAL(1), high = cruise_speed(laws, top), high_miss = REAL(0), peak = high;
     bool was_above = true;
     for (int n = 0; n < MAX_FALSI; n++) {
-        if (!thrifty_ramps(laws, peak, m)) return SSV_TOO_MANY_PIECES;
-        m->cruise = distance - ramp_length(&m->up) - ramp_length(&m->slow);
-        const real_t covered = real_sqrt(real_div(ramp_length(&m->up) + ramp_length(&m->slow), distance));
+        if (!thrifty_ramps(laws, peak, distance, n > 0, m)) return SSV_TOO_MANY_PIECES;
+        const real_t covered = real_sqrt(real_div(distance - m->cruise, distance));
         const real_t miss = covered - REAL(1) + SHORT_BY;
         if (m->cruise >= REAL(0) && (n == 0 || miss >= -SHORT_BY)) return SSV_FEASIBLE;
         // Illinois: an end that stays twice counts half.

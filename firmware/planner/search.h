@@ -5,11 +5,14 @@
 #include "planner/chain.h"
 
 /// The paper's chain: nearest ring angle (or the cheapest of several where none is nearest); translate, then turn the shortest
-/// way; turn about C, then translate. *num_priced grows by the chains that were priced.
-void ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, ssv_chain_t* best, int* num_priced);
+/// way; turn about C, then translate. Ring angles and turning axes whose straight flights alone cost give_up or more are left
+/// out. *num_priced grows by the chains that were priced. @return false if all were left out; then *best is not meaningful.
+bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, real_t give_up, ssv_chain_t* best,
+                      int* num_priced);
 
-/// Turn, translate, turn in both phases, with travel attitudes, pivots, ring angle and both free rolls by J (DESIGN.md 12);
-/// never dearer than the paper's chain.
-void ssv_search_optimal(const ssv_problem_t* problem, int contact, real_t height_m, ssv_chain_t* best, int* num_priced);
+/// Turn, fly, turn in both phases, with travel attitudes, pivots, ring angle and both free rolls by J (DESIGN.md 12), as far as
+/// the scenario's effort goes; not thorough: only the starts of that search.
+void ssv_search_optimal(const ssv_problem_t* problem, int contact, real_t height_m, bool thorough, ssv_chain_t* best,
+                        int* num_priced);
 
 #endif

@@ -194,7 +194,7 @@ typedef struct {
     real_t impulse_Ns;            ///< [N s] integral of the sum of absolute thrusts
     real_t length;                ///< [m or rad]
     real_t peak_speed;            ///< [m/s or rad/s]
-    vec3_t v_S, w_S;              ///< twist of S in axes of S per unit of speed; |v_S| = 1, w_S = 0 or |w_S| = 1
+    vec3_t v_S, w_S;              ///< twist of S in axes of S per unit of speed; w_S = 0 and |v_S| = 1, or |w_S| = 1
     pose_t X_IS_start, X_IS_end;
     int first_piece, num_pieces;  ///< into plan.piece
 } ssv_leg_t;
@@ -231,7 +231,7 @@ typedef struct {
     real_t time_s;                ///< [s] start to docked
     real_t impulse_Ns;            ///< [N s]
     ssv_candidate_t choice;       ///< the candidate that costs least
-    int num_priced;               ///< combinations of contact, height, ring angle and turning axis that were priced
+    int num_priced;               ///< flights of one phase that were priced
     int num_candidates;
     ssv_candidate_t candidate[SSV_MAX_CANDIDATES];
     int num_legs;
