@@ -455,14 +455,14 @@ static bool always_resists(const laws_t* laws) {
 }
 
 // Both ramps from rest to the peak, with the marginal cost of distance that makes this peak the right one; the distance left
-// between them is cruised. A ramp of full thrust ahead, which no marginal cost changes, is kept from the first call.
-static bool thrifty_ramps(laws_t* laws, real_t peak, real_t distance, bool keep_up, motion_t* m) {
+// between them is cruised. A ramp of full thrust ahead, which no marginal cost changes, is kept once it is there.
+static bool thrifty_ramps(laws_t* laws, real_t peak, real_t distance, motion_t* m) {
     const bool resists = always_resists(laws);
     real_t a;
     laws_up_to(laws, peak);
     m->peak = peak;
     laws->lambda = real_div(cost_rate(laws, peak, REAL(0)), peak);
-    if (!keep_up || !resists) {
+    if (m->up.num == 0 || !resists) {
         ramp_start(&m->up);
         if (!ramp_extend(laws, resists ? SPEED_UP : THRIFTY_UP, peak, &m->up)) return false;
         ramp_measure(&m->up);
@@ -481,8 +481,9 @@ static ssv_outcome_t solve_optimal(laws_t* laws, const ssv_rule_t* rule, real_t 
     laws->weight_time = real_max(rule->weight_time_per_s, real_mul(TIME_PRICE_MIN_N, rule->weight_impulse_per_Ns));
     real_t low = REAL(0), low_miss = -REAL(1), high = cruise_speed(laws, top), high_miss = REAL(0), peak = high;
     bool was_above = true;
+    ramp_start(&m->up);
     for (int n = 0; n < MAX_FALSI; n++) {
-        if (!thrifty_ramps(laws, peak, distance, n > 0, m)) return SSV_TOO_MANY_PIECES;
+        if (!thrifty_ramps(laws, peak, distance, m)) return SSV_TOO_MANY_PIECES;
         const real_t covered = real_sqrt(real_div(distance - m->cruise, distance));
         const real_t miss = covered - REAL(1) + SHORT_BY;
         if (m->cruise >= REAL(0) && (n == 0 || miss >= -SHORT_BY)) return SSV_FEASIBLE;
