@@ -1,4 +1,5 @@
-// How long planning takes, in process and over LCM, for every shipped scenario. What it prints is in its --help, below.
+// How long planning takes by each method, in process and over LCM, for every shipped scenario, and at what price. What it
+// prints is in its --help, below.
 #define _GNU_SOURCE
 #include <argp.h>
 #include <glob.h>
@@ -18,22 +19,41 @@
 #include "scenario_file.h"
 #include "ssv/answer.h"
 
-#define REPEATS 300
-#define MAX_SCENARIOS 32
+#define MAX_REPEATS 300
+#define MAX_ROWS 96
+#define BOUNDS_PER_SAMPLE 1000
 #define CALIBRATION_STEPS 100000
 #define ANSWER_TIMEOUT_US 500000
 #define ANSWER_TRIES 20
 
 typedef struct {
-    double ms[REPEATS];
-} samples_t;
+    const char *method, *effort;
+    int8_t wire_method, wire_effort;
+    int repeats; // p99 wants a hundred; more where planning is fast
+} way_t;
+
+// The first is what the others are compared with.
+static const way_t ways[] = {
+    {"paper", "", LCM_SSV_OPTIONS_T_METHOD_PAPER, LCM_SSV_OPTIONS_T_EFFORT_QUICK, MAX_REPEATS},
+    {"optimal", "quick", LCM_SSV_OPTIONS_T_METHOD_OPTIMAL, LCM_SSV_OPTIONS_T_EFFORT_QUICK, MAX_REPEATS},
+    {"optimal", "best", LCM_SSV_OPTIONS_T_METHOD_OPTIMAL, LCM_SSV_OPTIONS_T_EFFORT_BEST, 100},
+};
+#define NUM_WAYS ((int)(sizeof ways / sizeof ways[0]))
 
 typedef struct {
+    int count;
+    double value[MAX_REPEATS];
+} samples_t;
+
+/// One scenario, planned in one way.
+typedef struct {
     const char* name;
+    const way_t* way;
     lcm_ssv_scenario_t question;
-    int64_t plan_hash;
+    ssv_problem_t problem;
+    double cost, cost_over_paper, bound_over_cost;
     int segments, bytes;
-    samples_t calibration, in_process, over_lcm;
+    samples_t calibration_ms, in_process_ms, over_lcm_ms, bound_ns;
 } row_t;
 
 typedef struct {
@@ -121,37 +141,62 @@ static void link_close(link_t* link) {
 
 static int read_scenarios(row_t* rows) {
     static char error[1024];
+    ssv_scenario_t scenario;
+    ssv_fault_t fault;
     glob_t found;
     if (glob(SSV_HOST_DIR "/scenarios/*.yaml", 0, NULL, &found) != 0) {
         give_up("no scenarios in " SSV_HOST_DIR "/scenarios");
     }
     int count = 0;
-    for (; count < MAX_SCENARIOS && (size_t)count < found.gl_pathc; count++) {
+    for (; count < MAX_ROWS && (size_t)(count / NUM_WAYS) < found.gl_pathc; count++) {
         row_t* row = &rows[count];
-        const char* path = found.gl_pathv[count];
+        const char* path = found.gl_pathv[count / NUM_WAYS];
+        const char* name = strrchr(path, '/') + 1;
         if (!scenario_file_read(path, SSV_HOST_DIR "/models", &row->question, error, sizeof error)) {
             give_up(error);
         }
-        row->name = strdup(strrchr(path, '/') + 1);
-        row->question.request_id = (int64_t)(count + 1) * REPEATS;
+        row->name = strndup(name, strcspn(name, "."));
+        row->way = &ways[count % NUM_WAYS];
+        row->question.options.method = row->way->wire_method;
+        row->question.options.effort = row->way->wire_effort;
+        row->question.request_id = (int64_t)(count + 1) * MAX_REPEATS;
+        ssv_scenario_from_wire(&scenario, &row->question);
+        if (ssv_problem_init(&row->problem, &scenario, &fault) != SSV_OK) {
+            give_up(path);
+        }
     }
     globfree(&found);
     return count;
 }
 
+static double bound_ns(const ssv_problem_t* problem) {
+    volatile double outside;
+    const double start = now_ms();
+    for (int i = 0; i < BOUNDS_PER_SAMPLE; i++) {
+        outside = real_to_double(ssv_lower_bound(problem));
+    }
+    (void)outside;
+    return (now_ms() - start) * 1e6 / BOUNDS_PER_SAMPLE;
+}
+
+static void add(samples_t* samples, double value) { samples->value[samples->count++] = value; }
+
 /// One repeat of everything, so that all figures of a row saw the same disturbances.
-static void measure(row_t* row, int repeat, link_t* link) {
+static void measure(row_t* row, link_t* link) {
     static ssv_answer_t answer;
-    row->calibration.ms[repeat] = calibrate_ms();
+    add(&row->calibration_ms, calibrate_ms());
     const double start = now_ms();
     ssv_answer(&row->question, &answer);
-    row->in_process.ms[repeat] = now_ms() - start;
+    add(&row->in_process_ms, now_ms() - start);
     if (answer.wire.status != LCM_SSV_PLAN_T_STATUS_OK) {
         give_up(answer.wire.reason);
     }
     row->segments = answer.wire.num_segments;
     row->bytes = lcm_ssv_plan_t_encoded_size(&answer.wire);
-    row->over_lcm.ms[repeat] = round_trip_ms(link, &row->question);
+    row->cost = answer.wire.cost;
+    row->bound_over_cost = answer.wire.cost_lower_bound / answer.wire.cost;
+    add(&row->over_lcm_ms, round_trip_ms(link, &row->question));
+    add(&row->bound_ns, bound_ns(&row->problem));
     row->question.request_id++;
 }
 
@@ -160,52 +205,61 @@ static int compare(const void* a, const void* b) {
     return (x > y) - (x < y);
 }
 
-static void sort(samples_t* samples) { qsort(samples->ms, REPEATS, sizeof samples->ms[0], compare); }
+static void sort(samples_t* samples) { qsort(samples->value, (size_t)samples->count, sizeof samples->value[0], compare); }
 
-static double median(const samples_t* sorted) { return sorted->ms[REPEATS / 2]; }
-static double p99(const samples_t* sorted) { return sorted->ms[REPEATS * 99 / 100]; }
-static double worst(const samples_t* sorted) { return sorted->ms[REPEATS - 1]; }
+static double median(const samples_t* sorted) { return sorted->value[sorted->count / 2]; }
+static double p99(const samples_t* sorted) { return sorted->value[(sorted->count - 1) * 99 / 100]; }
+static double worst(const samples_t* sorted) { return sorted->value[sorted->count - 1]; }
 
 static void print_table(const row_t* rows, int count) {
-    printf("%d plans of each scenario; times in ms\n\n", REPEATS);
-    printf("%-22s %29s   %26s\n", "", "in process", "over LCM");
-    printf("%-22s %8s %8s %8s   %8s %8s %8s  %7s %7s %8s %6s\n", "scenario", "median", "p99", "worst", "median", "p99",
-           "worst", "plans/s", "x loop", "segments", "bytes");
+    printf("Times in ms, of %d plans each (effort best: %d)\n\n", ways[0].repeats, ways[NUM_WAYS - 1].repeats);
+    printf("%-30s %26s %18s\n", "", "in process", "over LCM");
+    printf("%-15s %-14s %8s %8s %8s %9s %8s %8s %8s %8s %7s %7s %6s %6s\n", "scenario", "method, effort", "median", "p99",
+           "worst", "median", "p99", "plans/s", "x loop", "J/paper", "J_lo/J", "J_lo ns", "segs", "bytes");
     for (int i = 0; i < count; i++) {
         const row_t* row = &rows[i];
-        printf("%-22s %8.3f %8.3f %8.3f   %8.3f %8.3f %8.3f  %7.0f %7.2f %8d %6d\n", row->name, median(&row->in_process),
-               p99(&row->in_process), worst(&row->in_process), median(&row->over_lcm), p99(&row->over_lcm),
-               worst(&row->over_lcm), 1e3 / median(&row->in_process), median(&row->in_process) / median(&row->calibration),
-               row->segments, row->bytes);
+        char way[32];
+        snprintf(way, sizeof way, "%s %s", row->way->method, row->way->effort);
+        printf("%-15s %-14s %8.3f %8.3f %8.3f %9.3f %8.3f %8.0f %8.2f %8.4f %7.4f %7.0f %6d %6d\n", row->name, way,
+               median(&row->in_process_ms), p99(&row->in_process_ms), worst(&row->in_process_ms), median(&row->over_lcm_ms),
+               p99(&row->over_lcm_ms), 1e3 / median(&row->in_process_ms),
+               median(&row->in_process_ms) / median(&row->calibration_ms), row->cost_over_paper, row->bound_over_cost,
+               median(&row->bound_ns), row->segments, row->bytes);
     }
     printf("\nx loop: the median in process, in units of %d dependent square roots and quotients, here %.3f ms; to compare\n"
-           "machines, or versions of the planner on a machine whose speed varies.\n",
-           CALIBRATION_STEPS, median(&rows[0].calibration));
+           "machines, or versions of the planner on a machine whose speed varies. J/paper: over the price of method paper.\n"
+           "J_lo: the lower bound of the price, and the time that one call of ssv_lower_bound takes.\n",
+           CALIBRATION_STEPS, median(&rows[0].calibration_ms));
 }
 
-static void print_times(const char* name, const samples_t* sorted) {
-    printf("\"%s\": {\"median_ms\": %.6f, \"p99_ms\": %.6f, \"worst_ms\": %.6f}, ", name, median(sorted), p99(sorted),
-           worst(sorted));
+static void print_times(const char* name, const char* unit, const samples_t* sorted) {
+    printf("\"%s\": {\"median_%s\": %.6f, \"p99_%s\": %.6f, \"worst_%s\": %.6f}, ", name, unit, median(sorted), unit,
+           p99(sorted), unit, worst(sorted));
 }
 
 static void print_json(const row_t* rows, int count) {
-    printf("{\"repeats\": %d, \"scenarios\": [", REPEATS);
+    printf("{\"rows\": [");
     for (int i = 0; i < count; i++) {
         const row_t* row = &rows[i];
-        printf("%s\n  {\"scenario\": \"%s\", ", i == 0 ? "" : ",", row->name);
-        print_times("in_process", &row->in_process);
-        print_times("over_lcm", &row->over_lcm);
-        print_times("calibration", &row->calibration);
-        const double in_process_ms = median(&row->in_process);
-        printf("\"plans_per_s\": %.3f, \"per_calibration\": %.6f, \"segments\": %d, \"bytes\": %d}", 1e3 / in_process_ms,
-               in_process_ms / median(&row->calibration), row->segments, row->bytes);
+        printf("%s\n  {\"scenario\": \"%s\", \"method\": \"%s\", \"effort\": \"%s\", \"repeats\": %d, ", i == 0 ? "" : ",",
+               row->name, row->way->method, row->way->effort, row->way->repeats);
+        print_times("in_process", "ms", &row->in_process_ms);
+        print_times("over_lcm", "ms", &row->over_lcm_ms);
+        print_times("calibration", "ms", &row->calibration_ms);
+        print_times("bound", "ns", &row->bound_ns);
+        const double in_process_ms = median(&row->in_process_ms);
+        printf("\"plans_per_s\": %.3f, \"per_calibration\": %.6f, \"J\": %.9g, \"J_over_paper\": %.9g, "
+               "\"bound_over_J\": %.9g, \"segments\": %d, \"bytes\": %d}",
+               1e3 / in_process_ms, in_process_ms / median(&row->calibration_ms), row->cost, row->cost_over_paper,
+               row->bound_over_cost, row->segments, row->bytes);
     }
     printf("\n]}\n");
 }
 
 static const char manual[] =
-    "Measures how long planning takes for every scenario in host/scenarios, in process and as a round trip over LCM to an "
-    "ssv-plannerd of its own, and compares it with a fixed calibration loop."
+    "Measures how long planning takes for every scenario in host/scenarios, by method paper and by method optimal with "
+    "either effort, in process and as a round trip over LCM to an ssv-plannerd of its own, and compares it with a fixed "
+    "calibration loop; and what the plans cost, against method paper and the lower bound."
     "\v"
     "It needs LCM over UDP multicast; `bash tests/run.sh -R bench -V` runs it in a private network.\n\n"
     "Exit codes: 0 measured, 1 not possible, 64 wrong usage.\n";
@@ -222,7 +276,7 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
 }
 
 int main(int argc, char** argv) {
-    static row_t rows[MAX_SCENARIOS];
+    static row_t rows[MAX_ROWS];
     static const struct argp parser = {option_table, parse_option, NULL, manual, NULL, NULL, NULL};
     bool json = false;
     argp_parse(&parser, argc, argv, 0, NULL, &json);
@@ -233,16 +287,21 @@ int main(int argc, char** argv) {
     lcm_ssv_scenario_t first = rows[0].question;
     first.request_id = 0;
     round_trip_ms(&link, &first); // until the daemon is up
-    for (int repeat = 0; repeat < REPEATS; repeat++) {
+    for (int repeat = 0; repeat < MAX_REPEATS; repeat++) {
         for (int i = 0; i < count; i++) {
-            measure(&rows[i], repeat, &link);
+            if (repeat < rows[i].way->repeats) {
+                measure(&rows[i], &link);
+            }
         }
     }
     link_close(&link);
     for (int i = 0; i < count; i++) {
-        sort(&rows[i].calibration);
-        sort(&rows[i].in_process);
-        sort(&rows[i].over_lcm);
+        row_t* row = &rows[i];
+        row->cost_over_paper = row->cost / rows[i - i % NUM_WAYS].cost;
+        sort(&row->calibration_ms);
+        sort(&row->in_process_ms);
+        sort(&row->over_lcm_ms);
+        sort(&row->bound_ns);
     }
     if (json) {
         print_json(rows, count);
