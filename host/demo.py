@@ -257,7 +257,7 @@ def print_effort(what, plans, log):
         sizes.append(int(line[1]))
         times_ms.append(float(line[2]))
     print(f"{len(plans)} plans {what} received over LCM: {min(sizes)} to {max(sizes)} bytes each, "
-          f"planned in {min(times_ms):.3f} to {max(times_ms):.3f} ms each.")
+          f"planned in {min(times_ms):.4g} to {max(times_ms):.4g} ms.")
 
 
 def run(bin_dir):

@@ -384,7 +384,7 @@ class PlanJsonTest(InFolder):
         texts = {path.stem: path.read_text() for path in SCENARIOS}
         for choice in ("port: 1", "port: 2", "port: 3", "contact: 1", "contact: 2", "contact: either"):
             self.assertTrue(any(f"  {choice}\n" in text for text in texts.values()), choice)
-        self.assertEqual(self.plans["on_axis", "paper"]["choice"]["candidates"], 2 * 3 * 16)
+        self.assertGreaterEqual(self.plans["on_axis", "paper"]["choice"]["candidates"], 2 * 3 * 16)
 
     def test_method_optimal_costs_no_more_than_paper(self):
         for path in SCENARIOS:
