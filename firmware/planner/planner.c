@@ -17,7 +17,7 @@ static ssv_candidate_t candidate_of(const ssv_chain_t* chain) {
 
 // Solves the move once more and writes its leg, pieces and segments.
 static ssv_outcome_t add_leg(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t* move, pose_t X_IS,
-                             ssv_plan_t* plan) {
+                             real_t drift_max_s2, ssv_plan_t* plan) {
     ssv_thrusts_t thrusts;
     ssv_profile_t profile;
     ssv_ramp_t ramp;
@@ -44,7 +44,8 @@ static ssv_outcome_t add_leg(const ssv_problem_t* problem, const ssv_assembly_t*
     for (int k = 0; k < profile.num_pieces; k++) {
         const ssv_piece_t* piece = &profile.piece[k];
         plan->piece[plan->num_pieces++] = *piece;
-        const ssv_outcome_t cut = ssv_timeline_append(&thrusts, piece, plan->time_s + piece->t_s, index, plan);
+        const real_t t_s = plan->time_s + piece->t_s;
+        const ssv_outcome_t cut = ssv_timeline_append(&thrusts, piece, t_s, index, drift_max_s2, plan);
         if (cut != SSV_FEASIBLE) return cut;
     }
     plan->time_s += price.time_s;
@@ -58,7 +59,7 @@ static void add_event(ssv_plan_t* plan, ssv_event_kind_t kind) {
 }
 
 // Writes the motion of a chain: legs, pieces, timeline, events, final poses.
-static ssv_outcome_t write_motion(const ssv_problem_t* problem, const ssv_chain_t* chain, ssv_plan_t* plan) {
+static ssv_outcome_t write_motion(const ssv_problem_t* problem, const ssv_chain_t* chain, real_t drift_max_s2, ssv_plan_t* plan) {
     const ssv_scenario_t* scenario = &problem->scenario;
     ssv_assembly_t assembly = {&scenario->vehicle, NULL, chain->X_SB};
     pose_t X_IS = scenario->X_IS;
@@ -71,7 +72,7 @@ static ssv_outcome_t write_motion(const ssv_problem_t* problem, const ssv_chain_
             assembly.beam = &scenario->beam;
         }
         if (!(move->length > REAL(0))) continue;
-        const ssv_outcome_t outcome = add_leg(problem, &assembly, move, X_IS, plan);
+        const ssv_outcome_t outcome = add_leg(problem, &assembly, move, X_IS, drift_max_s2, plan);
         if (outcome != SSV_FEASIBLE) return outcome;
         X_IS = plan->leg[plan->num_legs - 1].X_IS_end;
     }
@@ -93,6 +94,9 @@ static int cheapest(const ssv_plan_t* plan) {
     return best;
 }
 
+// How closely the timeline is cut [s2]: as finely as the plan's memory allows.
+#define NUM_DRIFTS 3
+static const real_t drift_max_s2[NUM_DRIFTS] = {REAL(2e-5), REAL(2e-4), REAL(2e-3)};
 // No price is above it.
 #define NEVER_GIVE_UP REAL(1e9)
 // Candidates that SSV_METHOD_OPTIMAL searches thoroughly, by effort: the cheapest after a first look at all.
@@ -171,15 +175,18 @@ ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_plan_t* plan) {
     if (scenario->method == SSV_METHOD_OPTIMAL) search_optimal(problem, plan, &best);
     // A candidate may still fail to fit the plan's memory; then the next best is searched once more and written.
     for (int k = cheapest(plan); k >= 0; k = cheapest(plan)) {
-        ssv_candidate_t* candidate = &plan->candidate[k];
-        const ssv_outcome_t outcome = write_motion(problem, &best, plan);
+        ssv_outcome_t outcome = SSV_TOO_MANY_SEGMENTS;
+        for (int n = 0; n < NUM_DRIFTS && outcome == SSV_TOO_MANY_SEGMENTS; n++) {
+            outcome = write_motion(problem, &best, drift_max_s2[n], plan);
+        }
         if (outcome == SSV_FEASIBLE) {
+            plan->candidate[k] = plan->choice = candidate_of(&best);
             plan->lower_bound = ssv_lower_bound(problem);
-            plan->choice = *candidate;
             plan->status = SSV_OK;
             plan->plan_hash = ssv_plan_hash(plan);
             return plan->status;
         }
+        ssv_candidate_t* candidate = &plan->candidate[k];
         candidate->outcome = outcome;
         candidate->time_s = candidate->impulse_Ns = candidate->cost = REAL(0);
         const int next = cheapest(plan);

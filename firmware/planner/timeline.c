@@ -6,9 +6,6 @@
 #define MAX_TRIALS 24
 #define NUM_CHECKS 5
 
-// Error over force_max times the square of the segment's length [s2]: how far the error could carry the body. A weak thrust
-// over a long coast passes the tolerance as almost any line and would be lost; this bound keeps it. For the SSV it is 8 um.
-#define DRIFT_MAX REAL(1e-4)
 // Errors are looked at in NUM_CHECKS places only; between them they may be this much larger.
 #define CHECK_MARGIN REAL(0.9)
 
@@ -64,7 +61,8 @@ static real_t fit_all(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, re
     return real_div(worst, thrusts->force_max_N);
 }
 
-ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t t_s, int leg, ssv_plan_t* plan) {
+ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t t_s, int leg,
+                                  real_t drift_max_s2, ssv_plan_t* plan) {
     const real_t tolerance = real_mul(CHECK_MARGIN, SSV_TIMELINE_TOLERANCE);
     real_t t = REAL(0), h = piece->duration_s;
     while (t < piece->duration_s) {
@@ -76,10 +74,10 @@ ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_
         for (int n = 0; n < MAX_TRIALS; n++) {
             const real_t error = fit_all(thrusts, piece, t, h, segment);
             const real_t drift = real_mul(error, real_sq(h));
-            fits = error <= tolerance && drift <= DRIFT_MAX;
+            fits = error <= tolerance && drift <= drift_max_s2;
             if (fits) break;
             // The error of a line grows with the square of its length, the drift with the fourth power.
-            const real_t shrink = real_sqrt(real_min(real_div(tolerance, error), real_sqrt(real_div(DRIFT_MAX, drift))));
+            const real_t shrink = real_sqrt(real_min(real_div(tolerance, error), real_sqrt(real_div(drift_max_s2, drift))));
             h = real_mul(h, real_max(REAL(0.1), real_mul(REAL(0.95), shrink)));
         }
         if (!fits) return SSV_TOO_MANY_SEGMENTS;

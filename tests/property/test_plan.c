@@ -34,14 +34,13 @@ static ssv_scenario_t model_task(bool ease) {
     return s;
 }
 
-static void test_plans_of_model_ease_fly_open_loop_to_both_goals_in_independent_physics(void) {
+static void fly_tasks(ssv_method_t method, int count) {
     double worst[4] = {0};
-    const int count = times(100);
-    task_seed(SEED);
     for (int k = 0; k < count; k++) {
-        const ssv_scenario_t s = model_task(true);
+        ssv_scenario_t s = model_task(true);
         replay_flight_t flight;
         name(k);
+        s.method = method;
         solve(&s, &plan);
         flight_of_plan(&problem, &plan, 0.02, &flight); // half that step moves the end by less than a micrometre
         const replay_arrival_t* arrival[] = {&flight.mate, &flight.dock};
@@ -64,11 +63,39 @@ static void test_plans_of_model_ease_fly_open_loop_to_both_goals_in_independent_
            worst[3]);
 }
 
+static void test_plans_of_model_ease_fly_open_loop_to_both_goals_in_independent_physics(void) {
+    task_seed(SEED);
+    fly_tasks(SSV_METHOD_PAPER, times(100));
+    fly_tasks(SSV_METHOD_OPTIMAL, times(30));
+}
+
+static void test_optimal_never_costs_more_than_paper_nor_less_than_the_lower_bound(void) {
+    double saved = 0, gap = 0;
+    const int count = times(100);
+    task_seed(SEED + 6);
+    for (int k = 0; k < count; k++) {
+        ssv_scenario_t s = task_random();
+        name(k);
+        s.effort = k % 20 == 0 ? SSV_EFFORT_BEST : SSV_EFFORT_QUICK;
+        solve(&s, &plan);
+        s.method = SSV_METHOD_OPTIMAL;
+        solve(&s, &other);
+        TEST_ASSERT_TRUE_MESSAGE(other.cost <= plan.cost, label);
+        TEST_ASSERT_TRUE_MESSAGE(other.lower_bound > 0 && other.lower_bound <= other.cost, label);
+        TEST_ASSERT_TRUE_MESSAGE(other.lower_bound == plan.lower_bound, label);
+        saved += 1 - other.cost / plan.cost;
+        gap += other.cost / other.lower_bound - 1;
+    }
+    printf("seed %d: optimal saves %.1f %% on paper on average, and is %.0f %% above the lower bound\n", SEED + 6,
+           100 * saved / count, 100 * gap / count);
+}
+
 static void test_claimed_poses_meet_the_task(void) {
     task_seed(SEED + 1);
     for (int k = 0; k < times(500); k++) {
-        const ssv_scenario_t s = task_random();
+        ssv_scenario_t s = task_random();
         name(k);
+        s.method = k % 10 == 0 ? SSV_METHOD_OPTIMAL : SSV_METHOD_PAPER;
         solve(&s, &plan);
         // At the mate: the vehicle at its standoff, at the chosen height, looking at the axis.
         const pose_t mate = pose_mul(plan.X_IB_final, pose_inv(plan.X_SB)); // = X_IS_final
@@ -158,6 +185,7 @@ static void test_either_contact_never_costs_more_than_a_given_one(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_plans_of_model_ease_fly_open_loop_to_both_goals_in_independent_physics);
+    RUN_TEST(test_optimal_never_costs_more_than_paper_nor_less_than_the_lower_bound);
     RUN_TEST(test_claimed_poses_meet_the_task);
     RUN_TEST(test_timeline_is_contiguous_and_every_thrust_within_its_limit);
     RUN_TEST(test_price_does_not_depend_on_where_the_scene_stands);

@@ -38,7 +38,7 @@ static void test_timeline_of_random_legs_is_close_exact_in_impulse_contiguous_an
         for (int k = 0; k < profile.num_pieces; k++) {
             const ssv_piece_t* piece = &profile.piece[k];
             plan.num_segments = 0;
-            TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, piece, 100, 3, &plan));
+            TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, piece, 100, 3, 1e-4, &plan));
             double t = 100;
             for (int g = 0; g < plan.num_segments; g++) {
                 const ssv_segment_t* segment = &plan.segment[g];
@@ -70,7 +70,7 @@ static void test_constant_thrust_is_one_segment(void) {
     const ssv_thrusts_t thrusts = {{38.1, -38.1}, {206.8425, -206.8425}, {0}, 6};
     TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(&thrusts, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 2, &profile));
     plan.num_segments = 0;
-    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &profile.piece[0], 0, 0, &plan));
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &profile.piece[0], 0, 0, 1e-4, &plan));
     TEST_ASSERT_EQUAL_INT(1, plan.num_segments);
 }
 
@@ -78,7 +78,7 @@ static void test_full_timeline_refuses_more(void) {
     const ssv_thrusts_t thrusts = {{38.1, -38.1}, {206.8425, -206.8425}, {0}, 6};
     TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(&thrusts, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 2, &profile));
     plan.num_segments = SSV_MAX_SEGMENTS;
-    TEST_ASSERT_EQUAL_INT(SSV_TOO_MANY_SEGMENTS, ssv_timeline_append(&thrusts, &profile.piece[0], 0, 0, &plan));
+    TEST_ASSERT_EQUAL_INT(SSV_TOO_MANY_SEGMENTS, ssv_timeline_append(&thrusts, &profile.piece[0], 0, 0, 1e-4, &plan));
     TEST_ASSERT_EQUAL_INT(SSV_MAX_SEGMENTS, plan.num_segments);
 }
 
