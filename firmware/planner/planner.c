@@ -95,8 +95,8 @@ static int cheapest(const ssv_plan_t* plan) {
 }
 
 // How closely the timeline is cut [s2]: as finely as the plan's memory allows.
-#define NUM_DRIFTS 3
-static const real_t drift_max_s2[NUM_DRIFTS] = {REAL(2e-5), REAL(2e-4), REAL(2e-3)};
+#define NUM_DRIFTS 5
+static const real_t drift_max_s2[NUM_DRIFTS] = {REAL(2e-5), REAL(6e-5), REAL(2e-4), REAL(6e-4), REAL(2e-3)};
 // No price is above it.
 #define NEVER_GIVE_UP REAL(1e9)
 // Candidates that SSV_METHOD_OPTIMAL searches thoroughly, by effort: the cheapest after a first look at all.

@@ -5,7 +5,7 @@
 #define N SSV_NUM_THRUSTERS
 #define MAX_KNOTS SSV_MAX_PROFILE_PIECES
 #define MAX_NEWTON 60
-#define MAX_FALSI 40
+#define MAX_FALSI 60
 
 // Terminal speed is only approached; cruise at this much less. The time lost is the same fraction of the cruise.
 #define TERMINAL_MARGIN REAL(5.9604644775390625e-8)
@@ -22,7 +22,12 @@
 // Time never counts less than this many newtons of thrust: without a price on it no leg would end.
 #define TIME_PRICE_MIN_N REAL(1e-3)
 // A short optimal leg's ramps cover the distance to within twice this fraction, cruising the rest: in J that is its square.
-#define SHORT_BY REAL(1e-4)
+#define SHORT_BY REAL(1e-5)
+// Longer than any leg [m or rad].
+#define HOLD_FOR_EVER REAL(1e6)
+// A thruster whose drag costs less than this fraction of the cruise idles there for all that matters: a coast on it is no
+// different from the cruise.
+#define NEXT_TO_NOTHING REAL(1e-6)
 
 real_t ssv_piece_speed(const ssv_piece_t* piece, real_t t_s) {
     if (piece->v_start == piece->v_end) return piece->v_start;
@@ -57,6 +62,7 @@ typedef struct {
     real_t total; // sum of |accel|
     real_t weight_time, weight_impulse, lambda; // of the thrifty policies; lambda is the marginal cost of distance
     bool acts[N];     // false also for a thruster whose laws are those of an earlier one
+    bool coasts[N];   // whether a coast on thruster i differs from a cruise, up to the top
     real_t weight[N]; // |accel| of all thrusters with these laws
     law_t up[N], brake[N], idle[N];
 } laws_t;
@@ -168,7 +174,7 @@ static const law_t* thrifty_at(const laws_t* laws, bool up, real_t v) {
     const real_t limit_a = ssv_quadratic_at(limit->c, at);
     real_t best_cost = cost_rate(laws, at, limit_a) - distance_value, best_a = real_abs(limit_a);
     for (int i = 0; i < N; i++) {
-        if (!laws->acts[i]) continue;
+        if (!laws->coasts[i]) continue;
         const real_t a = ssv_quadratic_at(laws->idle[i].c, at);
         if (up ? a <= REAL(0) || a >= limit_a : a >= REAL(0) || a <= limit_a) continue;
         const real_t cost = cost_rate(laws, at, a) - distance_value;
@@ -195,14 +201,17 @@ static const law_t* law_at(const laws_t* laws, policy_t policy, real_t v) {
 // there: then the next kink on that side is as good. With the signs of all thrusts held that line is quadratic in v.
 static real_t next_balance(const laws_t* laws, bool up, const law_t* law, real_t from, real_t to) {
     const ssv_thrusts_t* t = laws->thrusts;
-    const real_t a = ssv_quadratic_at(law->c, from), noise = real_mul(REAL(1e-9), t->force_max_N);
+    // No thruster's sign changes in between; at the ends, where laws cross, several may idle at once.
+    const real_t mid = real_mul(REAL(0.5), from + to), a = ssv_quadratic_at(law->c, mid);
     real_t next = to;
     for (int side = -1; side <= 1; side += 2) {
         real_t line[3] = {laws->weight_time, -laws->lambda, REAL(0)};
         for (int i = 0; i < N; i++) {
-            const real_t u = thrust(t, i, from, a);
+            const real_t u = thrust(t, i, mid, a);
             // A thruster that idles along the law has one sign for less acceleration, the other for more.
-            const bool idles = real_abs(u) <= noise;
+            const real_t push = real_abs(real_mul(t->accel[i], a)); // what drag must cancel
+            const bool idles = real_abs(u) <= real_mul(REAL(1e-9), push) &&
+                               real_abs(t->accel[i]) > real_mul(SAME_LAW, laws->total);
             const bool positive = idles ? (t->accel[i] > REAL(0)) == ((side > 0) == up) : u > REAL(0);
             const real_t weight = positive ? laws->weight_impulse : -laws->weight_impulse;
             line[1] += real_mul(weight, t->linear[i]);
@@ -218,9 +227,13 @@ static real_t next_crossing(const laws_t* laws, policy_t policy, const law_t* la
     const bool up = policy == SPEED_UP || policy == THRIFTY_UP, has_kinks = policy != SPEED_UP && policy != BRAKE;
     real_t next = to;
     for (int i = 0; i < N; i++) {
-        if (!laws->acts[i]) continue;
+        if (!laws->acts[i]) { // its thrust holds drag alone, and changes sign with it
+            const real_t drag[3] = {REAL(0), laws->thrusts->linear[i], laws->thrusts->quadratic[i]};
+            if (has_kinks) next = ssv_quadratic_root_after(drag, from, next);
+            continue;
+        }
         const law_t* const rival[2] = {up ? &laws->up[i] : &laws->brake[i], &laws->idle[i]};
-        for (int k = 0; k < (has_kinks ? 2 : 1); k++) {
+        for (int k = 0; k < (has_kinks && (policy == COAST || laws->coasts[i]) ? 2 : 1); k++) {
             const real_t diff[3] = {rival[k]->c[0] - law->c[0], rival[k]->c[1] - law->c[1], rival[k]->c[2] - law->c[2]};
             if (ssv_quadratic_size(diff, to) <= law->noise) continue;
             next = ssv_quadratic_root_after(diff, from, next);
@@ -407,7 +420,8 @@ static ssv_outcome_t solve_paper(laws_t* laws, const ssv_rule_t* rule, real_t di
     m->cruise = distance - ramp_reach(&m->up, m->peak, &a) - ramp_reach(&m->slow, m->peak, &a);
     if (m->cruise < REAL(0)) {
         m->peak = peak_speed(&m->up, &m->slow, distance, m->peak);
-        m->cruise = REAL(0);
+        m->cruise = distance - ramp_reach(&m->up, m->peak, &a) - ramp_reach(&m->slow, m->peak, &a);
+        if (m->cruise < real_mul(PEAK_TOLERANCE, real_mul(REAL(2), distance))) m->cruise = REAL(0); // unless the reach leaps there
     }
     return SSV_FEASIBLE;
 }
@@ -440,7 +454,7 @@ static real_t cruise_speed(const laws_t* laws, real_t top) {
         if (!(v > REAL(0))) continue;
         const real_t cost = real_div(cost_rate(laws, v, REAL(0)), v);
         if (cost >= best_cost) continue;
-        best = v;
+        best = v - real_mul(TERMINAL_MARGIN, v); // a coast towards the speed at which a drag turns never gets there
         best_cost = cost;
     }
     return best;
@@ -461,7 +475,13 @@ static bool thrifty_ramps(laws_t* laws, real_t peak, real_t distance, motion_t* 
     real_t a;
     laws_up_to(laws, peak);
     m->peak = peak;
-    laws->lambda = real_div(cost_rate(laws, peak, REAL(0)), peak);
+    const real_t rate = cost_rate(laws, peak, REAL(0));
+    laws->lambda = real_div(rate, peak);
+    for (int i = 0; i < N; i++) {
+        const real_t drag[3] = {REAL(0), laws->thrusts->linear[i], laws->thrusts->quadratic[i]};
+        const real_t cost = real_mul(laws->weight_impulse, ssv_quadratic_size(drag, peak));
+        laws->coasts[i] = laws->acts[i] && cost > real_mul(NEXT_TO_NOTHING, rate);
+    }
     if (m->up.num == 0 || !resists) {
         ramp_start(&m->up);
         if (!ramp_extend(laws, resists ? SPEED_UP : THRIFTY_UP, peak, &m->up)) return false;
@@ -474,6 +494,22 @@ static bool thrifty_ramps(laws_t* laws, real_t peak, real_t distance, motion_t* 
     return true;
 }
 
+// How far to cruise at this peak before a higher one is worth its ramps. Where some thruster feels no drag it idles in the
+// cruise, and dJ / d peak = 2 W2 sum |accel| of those + cruise time * d L(v, 0) / dv - cruise time * lambda.
+static real_t worth_holding(const laws_t* laws, real_t peak) {
+    const ssv_thrusts_t* t = laws->thrusts;
+    real_t kink = REAL(0), slope = REAL(0);
+    for (int i = 0; i < N; i++) {
+        const real_t grows = t->linear[i] + real_mul(REAL(2), real_mul(peak, t->quadratic[i]));
+        slope += thrust(t, i, peak, REAL(0)) > REAL(0) ? grows : -grows;
+        if (laws->acts[i] && !laws->coasts[i]) kink += laws->weight[i];
+    }
+    const real_t gain = laws->lambda - real_mul(laws->weight_impulse, slope);
+    if (kink == REAL(0)) return REAL(0);
+    if (gain <= REAL(0)) return HOLD_FOR_EVER;
+    return real_mul(peak, real_div(real_mul(REAL(2), real_mul(laws->weight_impulse, kink)), gain));
+}
+
 // A long leg cruises at the cheapest speed. A short one has the peak whose ramps just cover the distance: regula falsi on the
 // root of the covered fraction, which is nearly linear in the peak, aimed a hair short; the hair is cruised.
 static ssv_outcome_t solve_optimal(laws_t* laws, const ssv_rule_t* rule, real_t distance, real_t top, motion_t* m) {
@@ -484,18 +520,21 @@ static ssv_outcome_t solve_optimal(laws_t* laws, const ssv_rule_t* rule, real_t 
     ramp_start(&m->up);
     for (int n = 0; n < MAX_FALSI; n++) {
         if (!thrifty_ramps(laws, peak, distance, m)) return SSV_TOO_MANY_PIECES;
-        const real_t covered = real_sqrt(real_div(distance - m->cruise, distance));
+        const real_t hold = real_min(worth_holding(laws, peak), real_mul(REAL(100), distance));
+        const real_t covered = real_sqrt(real_div(distance - m->cruise + hold, distance));
         const real_t miss = covered - REAL(1) + SHORT_BY;
-        if (m->cruise >= REAL(0) && (n == 0 || miss >= -SHORT_BY)) return SSV_FEASIBLE;
+        const bool meets = n == 0 ? m->cruise >= hold : real_abs(miss) <= SHORT_BY;
+        if (m->cruise >= REAL(0) && meets) return SSV_FEASIBLE;
         // Illinois: an end that stays twice counts half.
         const bool above = miss > REAL(0);
         if (n > 1 && above == was_above) *(above ? &low_miss : &high_miss) = real_mul(REAL(0.5), above ? low_miss : high_miss);
         *(above ? &high : &low) = peak;
         *(above ? &high_miss : &low_miss) = miss;
         was_above = above;
-        peak = low + real_mul(high - low, real_div(-low_miss, high_miss - low_miss));
+        const real_t share = n % 3 == 2 ? REAL(0.5) : real_div(-low_miss, high_miss - low_miss);
+        peak = low + real_mul(high - low, share);
     }
-    return m->cruise >= REAL(0) ? SSV_FEASIBLE : SSV_TOO_MANY_PIECES;
+    return thrifty_ramps(laws, low, distance, m) ? SSV_FEASIBLE : SSV_TOO_MANY_PIECES;
 }
 
 ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule, real_t distance, ssv_profile_t* profile) {

@@ -28,7 +28,7 @@
 #define SSV_MAX_ATTACH_HEIGHTS 8
 #define SSV_MAX_CANDIDATES (SSV_NUM_CONTACTS * SSV_MAX_ATTACH_HEIGHTS)
 #define SSV_MAX_LEGS 8
-#define SSV_MAX_SEGMENTS 128
+#define SSV_MAX_SEGMENTS 160
 #define SSV_MAX_EVENTS 2
 /// Pieces of all legs together; one piece is one law dv/dt = a0 + a1 v + a2 v^2 of the speed along a leg.
 #define SSV_MAX_PIECES 96
