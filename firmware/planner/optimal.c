@@ -9,7 +9,7 @@
 #define NUM_DIRECTIONS 26
 #define NUM_ROLLS 12
 #define NUM_MATE_ROLLS 8
-#define MAX_STARTS 32
+#define MAX_STARTS 16
 #define MAX_PARAMETERS 9
 
 // Directions this much dearer per metre than the cheapest are not drawn; the pattern search still finds its way in between.
@@ -18,9 +18,9 @@
 // Travel attitudes that are priced, how many of the cheapest are refined, and sweeps of the pattern search on each.
 typedef struct {
     int starts, refined, sweeps;
-} effort_t;
+} budget_t;
 
-static const effort_t effort_levels[] = {[SSV_EFFORT_QUICK] = {6, 1, 3}, [SSV_EFFORT_BEST] = {MAX_STARTS, 4, 14}};
+static const budget_t budgets[] = {[SSV_EFFORT_QUICK] = {4, 1, 2}, [SSV_EFFORT_BEST] = {MAX_STARTS, 3, 10}};
 
 typedef struct {
     int num;
@@ -284,15 +284,15 @@ static void sort(start_t* list, int num) {
 }
 
 // Prices the starts, refines the cheapest if asked to, and lays out the best motion.
-static bool settle(task_t* task, const effort_t* effort, bool thorough, start_t* list, int num, motion_t* motion) {
+static bool settle(task_t* task, const budget_t* budget, bool thorough, start_t* list, int num, motion_t* motion) {
     int priced = 0;
     for (int k = 0; k < num; k++) {
         if (try_price(task, &list[k].trial, &list[k].price)) list[priced++] = list[k];
     }
     if (priced == 0) return false;
     sort(list, priced);
-    for (int k = 0; thorough && k < priced && k < effort->refined; k++) {
-        refine(task, effort->sweeps, &list[k].trial, &list[k].price);
+    for (int k = 0; thorough && k < priced && k < budget->refined; k++) {
+        refine(task, budget->sweeps, &list[k].trial, &list[k].price);
     }
     sort(list, priced);
     lay(task, &list[0].trial, motion);
@@ -300,10 +300,10 @@ static bool settle(task_t* task, const effort_t* effort, bool thorough, start_t*
     return motion->flight.price.outcome == SSV_FEASIBLE;
 }
 
-void ssv_search_optimal(const ssv_problem_t* problem, int contact, real_t height_m, bool thorough, ssv_chain_t* best,
-                        int* num_priced) {
+void ssv_search_optimal(const ssv_problem_t* problem, int contact, real_t height_m, ssv_effort_t effort, bool thorough,
+                        ssv_chain_t* best, int* num_priced) {
     const ssv_scenario_t* s = &problem->scenario;
-    const effort_t* effort = &effort_levels[s->effort];
+    const budget_t* budget = &budgets[effort];
     const vec3_t axis_start = quat_apply(s->X_IB.q, vec3(REAL(0), REAL(0), REAL(1)));
     directions_t directions;
     start_t list[MAX_STARTS];
@@ -315,16 +315,16 @@ void ssv_search_optimal(const ssv_problem_t* problem, int contact, real_t height
     const real_t from_contact = real_abs(ssv_grasp_contact(s, contact).z - height_m);
     const vec3_t way = vec3_sub(vec3_add(s->p_IP_m, vec3_scale(from_contact, s->axis_I)),
                                 vec3_add(s->X_IB.p, vec3_scale(height_m, axis_start)));
-    int num = draw(&carry, &directions, way, axis_start, effort->starts, list);
-    const bool carried = settle(&carry, effort, thorough, list, num, &to_port);
+    int num = draw(&carry, &directions, way, axis_start, budget->starts, list);
+    const bool carried = settle(&carry, budget, thorough, list, num, &to_port);
     *num_priced += carry.num_priced;
     best->grasp = (ssv_grasp_t){contact, height_m, REAL(0)};
     best->price = (ssv_price_t){SSV_NO_AUTHORITY, REAL(0), REAL(0), REAL(0)};
     if (!carried) return;
 
     task_t fly = {problem, SSV_TRANSIT, contact, height_m, s->X_IS, to_port.X_from, 6, 0};
-    num = draw(&fly, &directions, vec3_sub(to_port.X_from.p, s->X_IS.p), axis_start, effort->starts, list);
-    const bool flown = settle(&fly, effort, thorough, list, num, &to_beam);
+    num = draw(&fly, &directions, vec3_sub(to_port.X_from.p, s->X_IS.p), axis_start, budget->starts, list);
+    const bool flown = settle(&fly, budget, thorough, list, num, &to_beam);
     *num_priced += fly.num_priced;
     if (flown) ssv_chain_join(&to_port.grasp, &to_beam.flight, &to_port.flight, to_port.assembly.X_SB, best);
 }

@@ -70,10 +70,12 @@ bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m
         const ssv_grasp_t grasp = {contact, height_m, ring_angle_rad[k]};
         ssv_flight_t to_beam, to_port;
         ssv_chain_t trial;
-        if (!transit(problem, &grasp, give_up, &to_beam, num_priced)) continue;
+        int priced = 0;
+        if (!transit(problem, &grasp, give_up, &to_beam, &priced)) continue;
         const ssv_assembly_t pair = ssv_vehicle_with_beam(problem, to_beam.X_IS_end);
         const real_t left = give_up - to_beam.price.cost;
-        if (!transfer(problem, &pair, contact, to_beam.X_IS_end, left, &to_port, num_priced)) continue;
+        if (!transfer(problem, &pair, contact, to_beam.X_IS_end, left, &to_port, &priced)) continue;
+        *num_priced += priced - 1; // the axes of a half turn are tried in one phase at a time
         ssv_chain_join(&grasp, &to_beam, &to_port, pair.X_SB, &trial);
         if (!found || ssv_price_beats(&trial.price, &best->price)) *best = trial;
         found = true;

@@ -95,44 +95,52 @@ static int cheapest(const ssv_plan_t* plan) {
 }
 
 // How closely the timeline is cut [s2]: as finely as the plan's memory allows.
-#define NUM_DRIFTS 5
-static const real_t drift_max_s2[NUM_DRIFTS] = {REAL(2e-5), REAL(6e-5), REAL(2e-4), REAL(6e-4), REAL(2e-3)};
+#define NUM_DRIFTS 6
+static const real_t drift_max_s2[NUM_DRIFTS] = {REAL(1e-6), REAL(4e-6), REAL(1.6e-5), REAL(6.4e-5), REAL(2.5e-4), REAL(1e-3)};
 // No price is above it.
 #define NEVER_GIVE_UP REAL(1e9)
-// Candidates that SSV_METHOD_OPTIMAL searches thoroughly, by effort: the cheapest after a first look at all.
+// Candidates that method optimal searches thoroughly, by effort: the cheapest after a first look at all.
 static const int num_thorough[] = {[SSV_EFFORT_QUICK] = 1, [SSV_EFFORT_BEST] = 3};
 
-// Searches one candidate again and keeps what is cheaper, in the table and among all.
+// Enters what a search of a candidate found, if it is cheaper than what is there.
 static void improve(ssv_plan_t* plan, int k, const ssv_chain_t* chain, ssv_chain_t* best) {
-    if (chain->price.outcome == SSV_FEASIBLE &&
-        (plan->candidate[k].outcome != SSV_FEASIBLE || chain->price.cost < plan->candidate[k].cost)) {
-        plan->candidate[k] = candidate_of(chain);
-    }
+    const ssv_candidate_t found = candidate_of(chain);
+    const ssv_candidate_t* known = &plan->candidate[k];
+    if (known->outcome != SSV_FEASIBLE || (found.outcome == SSV_FEASIBLE && found.cost < known->cost)) plan->candidate[k] = found;
     if (ssv_price_beats(&chain->price, &best->price)) *best = *chain;
 }
 
-// The cheapest chain of a candidate, whatever it takes.
-static void search(const ssv_problem_t* problem, int contact, real_t height_m, ssv_chain_t* chain, int* num_priced) {
-    if (problem->scenario.method == SSV_METHOD_PAPER) {
-        (void)ssv_search_paper(problem, contact, height_m, NEVER_GIVE_UP, chain, num_priced);
-        return;
-    }
-    ssv_chain_t paper;
-    ssv_search_optimal(problem, contact, height_m, true, chain, num_priced);
-    const real_t give_up = chain->price.outcome == SSV_FEASIBLE ? chain->price.cost : NEVER_GIVE_UP;
-    if (ssv_search_paper(problem, contact, height_m, give_up, &paper, num_priced) &&
-        ssv_price_beats(&paper.price, &chain->price)) {
-        *chain = paper;
+static void list_candidates(const ssv_scenario_t* scenario, ssv_plan_t* plan) {
+    for (int contact = 1; contact <= SSV_NUM_CONTACTS; contact++) {
+        if (scenario->contact != 0 && scenario->contact != contact) continue;
+        for (int k = 0; k < scenario->num_attach_heights; k++) {
+            plan->candidate[plan->num_candidates++] = (ssv_candidate_t){
+                contact, scenario->attach_heights_m[k], REAL(0), SSV_NO_AUTHORITY, REAL(0), REAL(0), REAL(0)};
+        }
     }
 }
 
-// A first look at every candidate, then a thorough search of the cheapest; last the paper's chains, where their straight
-// flights alone do not cost more than what is found, so that no method beats this one.
-static void search_optimal(const ssv_problem_t* problem, ssv_plan_t* plan, ssv_chain_t* best) {
-    const ssv_scenario_t* scenario = &problem->scenario;
+// The paper's chain of each candidate; not those whose straight flights alone cost give_up.
+static void search_paper(const ssv_problem_t* problem, real_t give_up, ssv_plan_t* plan, ssv_chain_t* best) {
+    ssv_chain_t chain;
+    for (int k = 0; k < plan->num_candidates; k++) {
+        const ssv_candidate_t* candidate = &plan->candidate[k];
+        if (ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, give_up, &chain, &plan->num_priced)) {
+            improve(plan, k, &chain, best);
+        }
+    }
+}
+
+// A first look at every candidate, then a thorough search of the cheapest.
+static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ssv_plan_t* plan, ssv_chain_t* best) {
     bool done[SSV_MAX_CANDIDATES] = {false};
     ssv_chain_t chain;
-    for (int n = 0; n < num_thorough[scenario->effort]; n++) {
+    for (int k = 0; k < plan->num_candidates; k++) {
+        const ssv_candidate_t* candidate = &plan->candidate[k];
+        ssv_search_optimal(problem, candidate->contact, candidate->attach_height_m, effort, false, &chain, &plan->num_priced);
+        improve(plan, k, &chain, best);
+    }
+    for (int n = 0; n < num_thorough[effort]; n++) {
         int next = -1;
         for (int k = 0; k < plan->num_candidates; k++) {
             if (done[k] || plan->candidate[k].outcome != SSV_FEASIBLE) continue;
@@ -141,57 +149,59 @@ static void search_optimal(const ssv_problem_t* problem, ssv_plan_t* plan, ssv_c
         if (next < 0) break;
         const ssv_candidate_t* candidate = &plan->candidate[next];
         done[next] = true;
-        ssv_search_optimal(problem, candidate->contact, candidate->attach_height_m, true, &chain, &plan->num_priced);
+        ssv_search_optimal(problem, candidate->contact, candidate->attach_height_m, effort, true, &chain, &plan->num_priced);
         improve(plan, next, &chain, best);
     }
-    for (int k = 0; k < plan->num_candidates; k++) {
-        const ssv_candidate_t* candidate = &plan->candidate[k];
-        const real_t give_up = best->price.outcome == SSV_FEASIBLE ? best->price.cost : NEVER_GIVE_UP;
-        if (ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, give_up, &chain, &plan->num_priced)) {
-            improve(plan, k, &chain, best);
-        }
+}
+
+// Writes the chain with the finest timeline that fits.
+static ssv_outcome_t write_plan(const ssv_problem_t* problem, const ssv_chain_t* chain, ssv_plan_t* plan) {
+    ssv_outcome_t outcome = SSV_TOO_MANY_SEGMENTS;
+    for (int n = 0; n < NUM_DRIFTS && outcome == SSV_TOO_MANY_SEGMENTS; n++) {
+        outcome = write_motion(problem, chain, drift_max_s2[n], plan);
     }
+    return outcome;
 }
 
 ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_plan_t* plan) {
     const ssv_scenario_t* scenario = &problem->scenario;
-    ssv_chain_t chain, best;
+    ssv_chain_t best;
     memset(plan, 0, sizeof *plan);
     plan->scenario_hash = problem->scenario_hash;
     best.price.outcome = SSV_TOO_LONG;
-    for (int contact = 1; contact <= SSV_NUM_CONTACTS; contact++) {
-        if (scenario->contact != 0 && scenario->contact != contact) continue;
-        for (int k = 0; k < scenario->num_attach_heights; k++) {
-            const real_t height_m = scenario->attach_heights_m[k];
-            if (scenario->method == SSV_METHOD_PAPER) {
-                search(problem, contact, height_m, &chain, &plan->num_priced);
-            } else {
-                ssv_search_optimal(problem, contact, height_m, false, &chain, &plan->num_priced);
-            }
-            plan->candidate[plan->num_candidates++] = candidate_of(&chain);
-            if (ssv_price_beats(&chain.price, &best.price)) best = chain;
+    list_candidates(scenario, plan);
+    // More effort starts with what less effort does, and method optimal ends with the paper's chains where these could still
+    // be cheaper: neither ever costs more.
+    if (scenario->method == SSV_METHOD_OPTIMAL) {
+        for (int effort = SSV_EFFORT_QUICK; effort <= (int)scenario->effort; effort++) {
+            search_optimal(problem, (ssv_effort_t)effort, plan, &best);
         }
     }
-    if (scenario->method == SSV_METHOD_OPTIMAL) search_optimal(problem, plan, &best);
-    // A candidate may still fail to fit the plan's memory; then the next best is searched once more and written.
-    for (int k = cheapest(plan); k >= 0; k = cheapest(plan)) {
-        ssv_outcome_t outcome = SSV_TOO_MANY_SEGMENTS;
-        for (int n = 0; n < NUM_DRIFTS && outcome == SSV_TOO_MANY_SEGMENTS; n++) {
-            outcome = write_motion(problem, &best, drift_max_s2[n], plan);
-        }
-        if (outcome == SSV_FEASIBLE) {
-            plan->candidate[k] = plan->choice = candidate_of(&best);
-            plan->lower_bound = ssv_lower_bound(problem);
-            plan->status = SSV_OK;
-            plan->plan_hash = ssv_plan_hash(plan);
-            return plan->status;
-        }
+    search_paper(problem, best.price.outcome == SSV_FEASIBLE ? best.price.cost : NEVER_GIVE_UP, plan, &best);
+    // What is found may fail to fit the plan's memory. Then the paper's chain of the cheapest candidate is written instead,
+    // and if that fails too, of the next.
+    ssv_outcome_t outcome = best.price.outcome == SSV_FEASIBLE ? write_plan(problem, &best, plan) : best.price.outcome;
+    for (int k = cheapest(plan); outcome != SSV_FEASIBLE && k >= 0; k = cheapest(plan)) {
         ssv_candidate_t* candidate = &plan->candidate[k];
-        candidate->outcome = outcome;
-        candidate->time_s = candidate->impulse_Ns = candidate->cost = REAL(0);
-        const int next = cheapest(plan);
         int num_priced = 0;
-        if (next >= 0) search(problem, plan->candidate[next].contact, plan->candidate[next].attach_height_m, &best, &num_priced);
+        (void)ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, NEVER_GIVE_UP, &best, &num_priced);
+        outcome = best.price.outcome == SSV_FEASIBLE ? write_plan(problem, &best, plan) : best.price.outcome;
+        if (outcome != SSV_FEASIBLE) {
+            *candidate = (ssv_candidate_t){candidate->contact, candidate->attach_height_m, candidate->ring_angle_rad, outcome,
+                                           REAL(0), REAL(0), REAL(0)};
+        }
+    }
+    if (outcome == SSV_FEASIBLE) {
+        plan->choice = candidate_of(&best);
+        for (int k = 0; k < plan->num_candidates; k++) {
+            ssv_candidate_t* candidate = &plan->candidate[k];
+            const bool chosen = candidate->contact == best.grasp.contact && candidate->attach_height_m == best.grasp.height_m;
+            if (chosen) *candidate = plan->choice;
+        }
+        plan->lower_bound = ssv_lower_bound(problem);
+        plan->status = SSV_OK;
+        plan->plan_hash = ssv_plan_hash(plan);
+        return plan->status;
     }
     const int num_priced = plan->num_priced, num_candidates = plan->num_candidates;
     ssv_candidate_t candidates[SSV_MAX_CANDIDATES];

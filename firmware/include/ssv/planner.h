@@ -231,7 +231,7 @@ typedef struct {
     real_t time_s;                ///< [s] start to docked
     real_t impulse_Ns;            ///< [N s]
     ssv_candidate_t choice;       ///< the candidate that costs least
-    int num_priced;               ///< flights of one phase that were priced
+    int num_priced;               ///< ways to fly that were priced: grasps, turning axes, travel attitudes
     int num_candidates;
     ssv_candidate_t candidate[SSV_MAX_CANDIDATES];
     int num_legs;
