@@ -31,8 +31,10 @@ static real_t price_per_metre(const ssv_scenario_t* s) {
     return real_mul(least, s->vehicle.body.drag_lin_kg_s);
 }
 
-static bool has_drag(const ssv_beam_t* beam) {
-    return beam->drag_strip_kg_m2 > REAL(0) || beam->body.drag_lin_kg_s > REAL(0) || beam->body.drag_quad_kg_m > REAL(0);
+// Forces that the balance leaves out could help a pair along: a beam that is turned about a pivot rows.
+static bool can_row(const ssv_scenario_t* s) {
+    return s->beam.drag_strip_kg_m2 > REAL(0) || s->beam.body.drag_lin_kg_s > REAL(0) ||
+           s->beam.body.drag_quad_kg_m > REAL(0) || s->vehicle.body.drag_quad_kg_m > REAL(0);
 }
 
 real_t ssv_lower_bound(const ssv_problem_t* problem) {
@@ -50,7 +52,7 @@ real_t ssv_lower_bound(const ssv_problem_t* problem) {
             // The vehicle mates on a ring about the beam and ends on the same ring about the docked beam, outward axis
             // against the port's.
             real_t way = vec3_norm(vec3(off_ring, REAL(0), p_BS.z - height));
-            if (!has_drag(&s->beam)) {
+            if (!can_row(s)) {
                 const vec3_t from = vec3_add(s->X_IB.p, vec3_scale(height, axis_B));
                 const vec3_t to = vec3_add(s->p_IP_m, vec3_scale(real_abs(end - height), s->axis_I));
                 way += real_max(REAL(0), vec3_norm(vec3_sub(to, from)) - real_mul(REAL(2), s->standoff_m));

@@ -1,4 +1,4 @@
-// Turn, translate, turn, with everything that is free decided by J (DESIGN.md 12).
+// Turn, translate, turn, with everything that is free decided by J (DESIGN.md 6).
 //
 // A straight flight costs almost the same per metre for the vehicle alone and with a beam, and it depends only on the body
 // direction flown in; the turns at its ends take seconds. So travel attitudes are drawn from body directions that are cheap

@@ -10,7 +10,7 @@
 bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, real_t give_up, ssv_chain_t* best,
                       int* num_priced);
 
-/// Turn, fly, turn in both phases, with travel attitudes, pivots, ring angle and both free rolls by J (DESIGN.md 12). Not
+/// Turn, fly, turn in both phases, with travel attitudes, pivots, ring angle and both free rolls by J (DESIGN.md 6). Not
 /// thorough: only the starts of that search.
 void ssv_search_optimal(const ssv_problem_t* problem, int contact, real_t height_m, ssv_effort_t effort, bool thorough,
                         ssv_chain_t* best, int* num_priced);

@@ -7,6 +7,8 @@
 #include "unity.h"
 
 #define SEED 20261123
+// Longer than this open-loop flight is not judged: in an unstable one a deviation grows by orders of magnitude (DESIGN.md 7).
+#define FLIGHT_MAX_S 1800
 
 static ssv_problem_t problem;
 static ssv_plan_t plan, other;
@@ -36,12 +38,15 @@ static ssv_scenario_t model_task(bool ease) {
 
 static void fly_tasks(ssv_method_t method, int count) {
     double worst[4] = {0};
+    int flown = 0;
     for (int k = 0; k < count; k++) {
         ssv_scenario_t s = model_task(true);
         replay_flight_t flight;
         name(k);
         s.method = method;
         solve(&s, &plan);
+        if (plan.time_s > FLIGHT_MAX_S) continue;
+        flown++;
         flight_of_plan(&problem, &plan, 0.02, &flight); // half that step moves the end by less than a micrometre
         const replay_arrival_t* arrival[] = {&flight.mate, &flight.dock};
         for (int a = 0; a < 2; a++) {
@@ -59,8 +64,9 @@ static void fly_tasks(ssv_method_t method, int count) {
         // Lines through a thruster's change of sign have a little more |u| than the curve.
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(5e-3 * plan.impulse_Ns, plan.impulse_Ns, flight.impulse_Ns, label);
     }
-    printf("seed %d: %d flights, at worst %.2f mm, %.4f deg, %.1e m/s, %.1e rad/s\n", SEED, count, worst[0], worst[1], worst[2],
+    printf("seed %d: %d flights, at worst %.2f mm, %.4f deg, %.1e m/s, %.1e rad/s\n", SEED, flown, worst[0], worst[1], worst[2],
            worst[3]);
+    TEST_ASSERT_TRUE(flown > count / 3);
 }
 
 static void test_plans_of_model_ease_fly_open_loop_to_both_goals_in_independent_physics(void) {

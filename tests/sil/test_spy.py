@@ -180,7 +180,9 @@ class WatchingThePlanner(unittest.TestCase):
         self.assertEqual((wire["status"], wire["reason"]), (0, ""))
         self.assertEqual([f"{wire[name] % 2**64:016x}" for name in ("scenario_hash", "plan_hash")],
                          [received["scenario_hash"], received["plan_hash"]])
-        self.assertEqual({"J": wire["cost"], "time_s": wire["time_s"], "impulse_Ns": wire["impulse_Ns"]}, received["cost"])
+        cost = {"J": wire["cost"], "J_lower_bound": wire["cost_lower_bound"], "time_s": wire["time_s"],
+                "impulse_Ns": wire["impulse_Ns"]}
+        self.assertEqual(cost, received["cost"])
         self.assertEqual(renamed(wire["choice"], contact="beam_contact"), received["choice"])
         self.assertEqual([renamed(candidate, contact="beam_contact", cost="J") for candidate in wire["candidates"]],
                          received["candidates"])
