@@ -35,7 +35,7 @@ ssv_move_t ssv_move_between(ssv_phase_t phase, pose_t X_IS_from, pose_t X_IS_to)
 pose_t ssv_move_pose(pose_t X_IS, ssv_twist_t twist, real_t s);
 
 /// Cost per metre of a straight flight along the unit body direction n_S at its cheapest speed, by the vehicle's linear drag
-/// alone: no straight flight along it costs less, with or without a beam.
+/// alone. No straight flight along it costs less, for the vehicle alone or with a beam that feels no drag of its own.
 real_t ssv_metre_price(const ssv_problem_t* problem, vec3_t n_S);
 
 /// Thrusts along a move of this assembly (DESIGN.md 4).

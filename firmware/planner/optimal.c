@@ -1,9 +1,4 @@
-// Turn, translate, turn, with everything that is free decided by J (DESIGN.md 6).
-//
-// A straight flight costs almost the same per metre for the vehicle alone and with a beam, and it depends only on the body
-// direction flown in; the turns at its ends take seconds. So travel attitudes are drawn from body directions that are cheap
-// per metre, rolled about the line of flight, ranked by an estimate, and the best are refined by a pattern search on the real
-// price of both turns.
+// Turn, fly, turn, with everything that is free decided by J (DESIGN.md 6).
 #include "planner/search.h"
 
 #define NUM_DIRECTIONS 26
@@ -52,14 +47,6 @@ static void cheap_directions(const ssv_problem_t* problem, directions_t* d) {
     }
 }
 
-static ssv_price_t turn_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t* turn) {
-    ssv_thrusts_t thrusts;
-    ssv_profile_t profile;
-    ssv_ramp_t ramp;
-    ssv_move_thrusts(problem, assembly, turn->twist, &thrusts);
-    return ssv_move_solve(problem, turn, &thrusts, &profile, &ramp);
-}
-
 // ---- Geometry -----------------------------------------------------------------------------------------------------------
 
 // Smallest rotation that takes unit vector from to unit vector to.
@@ -105,7 +92,7 @@ typedef struct {
     ssv_phase_t phase;
     int contact;
     real_t height_m;
-    pose_t X_from, X_to;         // of the transit
+    pose_t X_from, X_to;         // ends of the transit; those of a transfer are its trials' to choose
     int num_parameters;
     int num_priced;
 } task_t;
@@ -179,7 +166,7 @@ static bool try_price(task_t* task, const trial_t* trial, real_t* price) {
     return motion.flight.price.outcome == SSV_FEASIBLE;
 }
 
-// Compass search: each number in turn a step up and down, keeping what is cheaper; all steps halve after a sweep in vain.
+// Compass search: each number in turn a step up and down, keeping what is cheaper; all steps shrink after a sweep in vain.
 static void refine(task_t* task, int sweeps, trial_t* trial, real_t* price) {
     static const real_t start[MAX_PARAMETERS] = {REAL(0.2), REAL(0.2), REAL(0.2), REAL(0.2), REAL(0.2), REAL(0.2),
                                                 REAL(0.3), REAL(0.5), REAL(0.5)};
@@ -223,10 +210,15 @@ static void keep(start_t* list, int* num, int most, const start_t* candidate) {
 // What a turn by some angle costs, roughly: between the square root of the angle (inertia) and the angle (drag).
 static real_t turn_guess(real_t one_rad, real_t angle) { return real_mul(one_rad, real_sqrt(real_mul(angle, real_sqrt(angle)))); }
 
-static real_t one_radian(const ssv_problem_t* problem, const ssv_assembly_t* assembly, vec3_t axis) {
-    const ssv_move_t about_S = ssv_move_turn(SSV_TRANSFER, axis, REAL(1), vec3(REAL(0), REAL(0), REAL(0)));
-    const ssv_price_t price = turn_price(problem, assembly, &about_S);
-    return price.cost;
+// Price of a turn by one radian about z through S.
+static real_t one_radian(const ssv_problem_t* problem, const ssv_assembly_t* assembly) {
+    const vec3_t zero = vec3(REAL(0), REAL(0), REAL(0));
+    const ssv_move_t turn = ssv_move_turn(SSV_TRANSFER, vec3(REAL(0), REAL(0), REAL(1)), REAL(1), zero);
+    ssv_thrusts_t thrusts;
+    ssv_profile_t profile;
+    ssv_ramp_t ramp;
+    ssv_move_thrusts(problem, assembly, turn.twist, &thrusts);
+    return ssv_move_solve(problem, &turn, &thrusts, &profile, &ramp).cost;
 }
 
 // Travel attitudes for a flight along way_I: cheap body directions, rolled about the line. Where there is no way to go, along
@@ -246,7 +238,7 @@ static int draw(task_t* task, const directions_t* directions, vec3_t way_I, vec3
         assembly.X_SB = (pose_t){vec3(s->standoff_m, -task->height_m, REAL(0)),
                                  align(vec3(REAL(0), REAL(0), REAL(1)), vec3(REAL(0), REAL(1), REAL(0)))};
     }
-    const real_t one_rad = one_radian(task->problem, &assembly, vec3(REAL(0), REAL(0), REAL(1)));
+    const real_t one_rad = one_radian(task->problem, &assembly);
     int num = 0;
     for (int k = 0; k < directions->num; k++) {
         const quat_t q_line = align(directions->n[k], direction_I);

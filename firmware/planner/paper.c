@@ -1,6 +1,12 @@
 #include "planner/search.h"
 
-static real_t straight_price(const ssv_problem_t* problem, const ssv_move_t* translation) {
+// What a straight flight costs at least. The drag of a beam might take load off some thruster: nothing is said of it then.
+static real_t straight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t* translation) {
+    const ssv_beam_t* beam = assembly->beam;
+    if (beam != NULL && (beam->drag_strip_kg_m2 > REAL(0) || beam->body.drag_lin_kg_s > REAL(0) ||
+                         beam->body.drag_quad_kg_m > REAL(0))) {
+        return REAL(0);
+    }
     return real_mul(translation->length, ssv_metre_price(problem, translation->twist.v));
 }
 
@@ -23,7 +29,7 @@ static bool transit(const ssv_problem_t* problem, const ssv_grasp_t* grasp, real
         trial.num_moves = 2;
         trial.move[0] = ssv_move_translate(SSV_TRANSIT, d_S);
         trial.move[1] = ssv_move_turn(SSV_TRANSIT, axis[k], angle, origin);
-        if (straight_price(problem, &trial.move[0]) >= give_up) continue;
+        if (straight_price(problem, &alone, &trial.move[0]) >= give_up) continue;
         ssv_flight_price(problem, &alone, scenario->X_IS, &trial);
         if (priced == 0 || ssv_price_beats(&trial.price, &best->price)) *best = trial;
         priced++;
@@ -52,7 +58,7 @@ static bool transfer(const ssv_problem_t* problem, const ssv_assembly_t* pair, i
         const vec3_t p_IE = pose_mul(turned, pose_mul(pair->X_SB, (pose_t){p_BE, quat_identity()})).p;
         const vec3_t d_I = vec3_sub(scenario->p_IP_m, p_IE);
         trial.move[1] = ssv_move_translate(SSV_TRANSFER, quat_apply(quat_conj(turned.q), d_I));
-        if (straight_price(problem, &trial.move[1]) >= give_up) continue;
+        if (straight_price(problem, pair, &trial.move[1]) >= give_up) continue;
         ssv_flight_price(problem, pair, X_IS, &trial);
         if (priced == 0 || ssv_price_beats(&trial.price, &best->price)) *best = trial;
         priced++;
