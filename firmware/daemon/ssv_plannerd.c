@@ -33,7 +33,7 @@
 /// The longest answer, by the sizes of the wire types; a candidate's reason is one of the core's sentences.
 #define CANDIDATE_REASON_MAX 128
 #define ANSWER_BYTES_MAX                                                                                                 \
-    (219 + SSV_REASON_SIZE + 147 * SSV_MAX_LEGS + 113 * SSV_MAX_SEGMENTS + 9 * SSV_MAX_EVENTS +                          \
+    (227 + SSV_REASON_SIZE + 147 * SSV_MAX_LEGS + 113 * SSV_MAX_SEGMENTS + 9 * SSV_MAX_EVENTS +                          \
      (46 + CANDIDATE_REASON_MAX) * SSV_MAX_CANDIDATES)
 
 enum { EXIT_LCM = 4 };
