@@ -16,7 +16,8 @@ int main(int argc, char** argv) {
     task_seed(strtoull(argv[1], NULL, 10));
     const int count = atoi(argv[2]);
     for (int i = 0; i < count; i++) {
-        const ssv_scenario_t scenario = task_random();
+        ssv_scenario_t scenario = task_random();
+        if (i % 8 == 0) scenario.method = SSV_METHOD_OPTIMAL;
         ssv_fault_t fault;
         const ssv_status_t checked = ssv_problem_init(&problem, &scenario, &fault);
         if (checked != SSV_OK) {
