@@ -1,4 +1,4 @@
-/// Legs: motion along a constant twist of the vehicle, priced by the cheaper of the paper's two ramps.
+/// Legs: motion along a constant twist of the vehicle, and its price by the scenario's method.
 #ifndef SSV_LEG_H
 #define SSV_LEG_H
 

@@ -1,6 +1,5 @@
 #include "ssv/planner.h"
 
-#include "planner/hash.h"
 #include "planner/search.h"
 #include "planner/timeline.h"
 

@@ -11,7 +11,7 @@
 
 #define SSV_REASON_SIZE 2048
 
-/// Memory for one answer: caller-owned, some 60 kB, best static. `wire` points into the rest, so the struct must not be copied
+/// Memory for one answer: caller-owned, some 52 kB, best static. `wire` points into the rest, so the struct must not be copied
 /// or freed while wire is in use.
 typedef struct {
     lcm_ssv_plan_t wire;          ///< the answer, ready to encode
