@@ -53,6 +53,7 @@ void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* 
     for (int i = 0; i < SSV_MAX_ATTACH_HEIGHTS; i++) {
         scenario->attach_heights_m[i] = real_from_double(wire->options.attach_heights_m[i]);
     }
+    scenario->want_candidates = true;
     scenario->ring_angle_given = wire->options.ring_angle_given != 0;
     scenario->ring_angle_rad = real_from_double(wire->options.ring_angle_rad);
 }
@@ -204,10 +205,10 @@ ssv_status_t ssv_answer(const lcm_ssv_scenario_t* question, ssv_answer_t* answer
     const ssv_plan_t* plan = &answer->plan;
     lcm_ssv_plan_t* wire = &answer->wire;
     const ssv_status_t planned = ssv_plan(&problem, &answer->plan);
-    wire->scenario_hash = (int64_t)plan->scenario_hash;
-    wire->num_candidates = plan->num_candidates;
-    for (int i = 0; i < plan->num_candidates; i++) {
-        answer->candidates[i] = candidate_to_wire(&plan->candidate[i]);
+    wire->scenario_hash = (int64_t)plan->quote.scenario_hash;
+    wire->num_candidates = plan->quote.num_candidates;
+    for (int i = 0; i < plan->quote.num_candidates; i++) {
+        answer->candidates[i] = candidate_to_wire(&plan->quote.candidate[i]);
     }
     if (planned != SSV_OK) {
         wire->status = LCM_SSV_PLAN_T_STATUS_INFEASIBLE;
@@ -217,14 +218,14 @@ ssv_status_t ssv_answer(const lcm_ssv_scenario_t* question, ssv_answer_t* answer
 
     wire->status = LCM_SSV_PLAN_T_STATUS_OK;
     wire->plan_hash = (int64_t)plan->plan_hash;
-    wire->cost = real_to_double(plan->cost);
-    wire->cost_lower_bound = real_to_double(plan->lower_bound);
-    wire->time_s = real_to_double(plan->time_s);
-    wire->impulse_Ns = real_to_double(plan->impulse_Ns);
-    wire->choice.contact = (int8_t)plan->choice.contact;
-    wire->choice.attach_height_m = real_to_double(plan->choice.attach_height_m);
-    wire->choice.ring_angle_rad = real_to_double(plan->choice.ring_angle_rad);
-    wire->choice.candidates = plan->num_priced;
+    wire->cost = real_to_double(plan->quote.cost);
+    wire->cost_lower_bound = real_to_double(plan->quote.lower_bound);
+    wire->time_s = real_to_double(plan->quote.time_s);
+    wire->impulse_Ns = real_to_double(plan->quote.impulse_Ns);
+    wire->choice.contact = (int8_t)plan->quote.choice.contact;
+    wire->choice.attach_height_m = real_to_double(plan->quote.choice.attach_height_m);
+    wire->choice.ring_angle_rad = real_to_double(plan->quote.choice.ring_angle_rad);
+    wire->choice.candidates = plan->quote.num_priced;
     wire->num_legs = plan->num_legs;
     for (int i = 0; i < plan->num_legs; i++) {
         answer->legs[i] = leg_to_wire(&plan->leg[i]);

@@ -62,6 +62,7 @@ uint64_t ssv_scenario_hash(const ssv_scenario_t* scenario) {
     for (int k = 0; k < scenario->num_attach_heights && k < SSV_MAX_ATTACH_HEIGHTS; k++) {
         hash = hash_real(hash, scenario->attach_heights_m[k]);
     }
+    hash = hash_int(hash, scenario->want_candidates ? 1 : 0);
     hash = hash_int(hash, scenario->ring_angle_given ? 1 : 0);
     return hash_real(hash, scenario->ring_angle_given ? scenario->ring_angle_rad : REAL(0));
 }
@@ -111,16 +112,16 @@ static uint64_t hash_segment(uint64_t hash, const ssv_segment_t* segment) {
 }
 
 uint64_t ssv_plan_hash(const ssv_plan_t* plan) {
-    uint64_t hash = hash_int(FNV_START, (int)plan->status);
-    hash = hash_u64(hash, plan->scenario_hash);
-    hash = hash_real(hash, plan->cost);
-    hash = hash_real(hash, plan->lower_bound);
-    hash = hash_real(hash, plan->time_s);
-    hash = hash_real(hash, plan->impulse_Ns);
-    hash = hash_candidate(hash, &plan->choice);
-    hash = hash_int(hash, plan->num_priced);
-    hash = hash_int(hash, plan->num_candidates);
-    for (int k = 0; k < plan->num_candidates; k++) hash = hash_candidate(hash, &plan->candidate[k]);
+    uint64_t hash = hash_int(FNV_START, (int)plan->quote.status);
+    hash = hash_u64(hash, plan->quote.scenario_hash);
+    hash = hash_real(hash, plan->quote.cost);
+    hash = hash_real(hash, plan->quote.lower_bound);
+    hash = hash_real(hash, plan->quote.time_s);
+    hash = hash_real(hash, plan->quote.impulse_Ns);
+    hash = hash_candidate(hash, &plan->quote.choice);
+    hash = hash_int(hash, plan->quote.num_priced);
+    hash = hash_int(hash, plan->quote.num_candidates);
+    for (int k = 0; k < plan->quote.num_candidates; k++) hash = hash_candidate(hash, &plan->quote.candidate[k]);
     hash = hash_int(hash, plan->num_legs);
     for (int k = 0; k < plan->num_legs; k++) hash = hash_leg(hash, &plan->leg[k]);
     hash = hash_int(hash, plan->num_pieces);

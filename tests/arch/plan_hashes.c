@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
             continue;
         }
         const ssv_status_t status = ssv_plan(&problem, &plan);
-        printf("%d %s %016" PRIx64 " %016" PRIx64 "\n", i, status == SSV_OK ? "ok" : "infeasible", plan.scenario_hash,
+        printf("%d %s %016" PRIx64 " %016" PRIx64 "\n", i, status == SSV_OK ? "ok" : "infeasible", plan.quote.scenario_hash,
                ssv_plan_hash(&plan));
     }
     return 0;

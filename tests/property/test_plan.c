@@ -45,7 +45,7 @@ static void fly_tasks(ssv_method_t method, int count) {
         name(k);
         s.method = method;
         solve(&s, &plan);
-        if (plan.time_s > FLIGHT_MAX_S) continue;
+        if (plan.quote.time_s > FLIGHT_MAX_S) continue;
         flown++;
         // Half the step moves the end by less than a micrometre, of an unstable flight by less than 0.1 mm.
         flight_of_plan(&problem, &plan, method == SSV_METHOD_PAPER ? 0.02 : 0.005, &flight);
@@ -61,9 +61,9 @@ static void fly_tasks(ssv_method_t method, int count) {
             worst[3] = fmax(worst[3], arrival[a]->rate_rad_s);
         }
         TEST_ASSERT_TRUE_MESSAGE(flight.thrust_ratio <= 1 + 1e-9, label);
-        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-6, plan.time_s, flight.time_s, label);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-6, plan.quote.time_s, flight.time_s, label);
         // Lines through a thruster's change of sign have a little more |u| than the curve.
-        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(5e-3 * plan.impulse_Ns, plan.impulse_Ns, flight.impulse_Ns, label);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(5e-3 * plan.quote.impulse_Ns, plan.quote.impulse_Ns, flight.impulse_Ns, label);
     }
     printf("seed %d: %d flights, at worst %.2f mm, %.4f deg, %.1e m/s, %.1e rad/s\n", SEED, flown, worst[0], worst[1], worst[2],
            worst[3]);
@@ -87,11 +87,11 @@ static void test_optimal_never_costs_more_than_paper_nor_less_than_the_lower_bou
         solve(&s, &plan);
         s.method = SSV_METHOD_OPTIMAL;
         solve(&s, &other);
-        TEST_ASSERT_TRUE_MESSAGE(other.cost <= plan.cost, label);
-        TEST_ASSERT_TRUE_MESSAGE(other.lower_bound > 0 && other.lower_bound <= other.cost, label);
-        TEST_ASSERT_TRUE_MESSAGE(other.lower_bound == plan.lower_bound, label);
-        saved += 1 - other.cost / plan.cost;
-        gap += other.cost / other.lower_bound - 1;
+        TEST_ASSERT_TRUE_MESSAGE(other.quote.cost <= plan.quote.cost, label);
+        TEST_ASSERT_TRUE_MESSAGE(other.quote.lower_bound > 0 && other.quote.lower_bound <= other.quote.cost, label);
+        TEST_ASSERT_TRUE_MESSAGE(other.quote.lower_bound == plan.quote.lower_bound, label);
+        saved += 1 - other.quote.cost / plan.quote.cost;
+        gap += other.quote.cost / other.quote.lower_bound - 1;
     }
     printf("seed %d: optimal saves %.1f %% on paper on average, and is %.0f %% above the lower bound\n", SEED + 6,
            100 * saved / count, 100 * gap / count);
@@ -109,13 +109,13 @@ static void test_claimed_poses_meet_the_task(void) {
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9, 0, vec3_norm(vec3_sub(mate.p, plan.X_IS_final.p)), label);
         const vec3_t p_BS = pose_inv(plan.X_SB).p;
         const vec3_t ahead_B = quat_apply(quat_conj(plan.X_SB.q), vec3(1, 0, 0));
-        const double phi = plan.choice.ring_angle_rad;
+        const double phi = plan.quote.choice.ring_angle_rad;
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9, s.standoff_m * cos(phi), p_BS.x, label);
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9, s.standoff_m * sin(phi), p_BS.y, label);
-        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9, plan.choice.attach_height_m, p_BS.z, label);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9, plan.quote.choice.attach_height_m, p_BS.z, label);
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9, 1, -ahead_B.x * cos(phi) - ahead_B.y * sin(phi), label);
         // Docked: the contact on the port, the beam's outward axis against the port's.
-        const double side = plan.choice.contact == 1 ? -1 : 1;
+        const double side = plan.quote.choice.contact == 1 ? -1 : 1;
         const pose_t contact_B = {{0, 0, side * 1.524}, quat_identity()};
         const vec3_t contact_I = pose_mul(plan.X_IB_final, contact_B).p;
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9, 0, vec3_norm(vec3_sub(contact_I, s.p_IP_m)), label);
@@ -140,7 +140,7 @@ static void test_timeline_is_contiguous_and_every_thrust_within_its_limit(void) 
             }
             t += segment->duration_s;
         }
-        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-7, plan.time_s, t, label);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-7, plan.quote.time_s, t, label);
         most = plan.num_segments > most ? plan.num_segments : most;
     }
     printf("seed %d: at most %d of %d segments\n", SEED + 2, most, SSV_MAX_SEGMENTS);
@@ -158,7 +158,7 @@ static void test_price_does_not_depend_on_where_the_scene_stands(void) {
         s.p_IP_m = vec3_add(X.p, quat_apply(X.q, s.p_IP_m));
         s.axis_I = quat_apply(X.q, s.axis_I);
         solve(&s, &other);
-        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * plan.cost, plan.cost, other.cost, label);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * plan.quote.cost, plan.quote.cost, other.quote.cost, label);
     }
 }
 
@@ -171,7 +171,7 @@ static void test_price_scales_with_the_weights_and_the_motion_stays(void) {
         s.weight_time_per_s *= 4; // a power of two: not even rounding may differ
         s.weight_impulse_per_Ns *= 4;
         solve(&s, &other);
-        TEST_ASSERT_TRUE_MESSAGE(4 * plan.cost == other.cost && plan.time_s == other.time_s, label);
+        TEST_ASSERT_TRUE_MESSAGE(4 * plan.quote.cost == other.quote.cost && plan.quote.time_s == other.quote.time_s, label);
     }
 }
 
@@ -184,7 +184,7 @@ static void test_either_contact_never_costs_more_than_a_given_one(void) {
         solve(&s, &plan);
         for (s.contact = 1; s.contact <= 2; s.contact++) {
             solve(&s, &other);
-            TEST_ASSERT_TRUE_MESSAGE(plan.cost <= other.cost, label);
+            TEST_ASSERT_TRUE_MESSAGE(plan.quote.cost <= other.quote.cost, label);
         }
     }
 }

@@ -46,9 +46,9 @@ void flight_of_plan(const ssv_problem_t* problem, const ssv_plan_t* plan, double
     put_vec3(s->p_IP_m, file.p_IP_m);
     put_vec3(s->axis_I, file.axis_I);
     file.standoff_m = real_to_double(s->standoff_m);
-    file.contact = plan->choice.contact;
-    file.attach_height_m = real_to_double(plan->choice.attach_height_m);
-    file.ring_angle_rad = real_to_double(plan->choice.ring_angle_rad);
+    file.contact = plan->quote.choice.contact;
+    file.attach_height_m = real_to_double(plan->quote.choice.attach_height_m);
+    file.ring_angle_rad = real_to_double(plan->quote.choice.ring_angle_rad);
     file.num_segments = (size_t)plan->num_segments;
     file.segment = segment;
     for (int k = 0; k < plan->num_segments; k++) {

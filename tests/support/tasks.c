@@ -102,6 +102,7 @@ ssv_scenario_t task_case_study(bool ease) {
     s.contact = 1;
     s.method = SSV_METHOD_PAPER;
     s.standoff_m = real_from_double(0.3025);
+    s.want_candidates = true;
     return s;
 }
 

@@ -34,10 +34,10 @@ static void test_plan_of_the_case_study_has_the_papers_four_legs_and_two_events(
     TEST_ASSERT_EQUAL_INT(SSV_MATE, plan.event[0].kind);
     TEST_ASSERT_EQUAL_DOUBLE(plan.leg[2].t_start_s, plan.event[0].t_s);
     TEST_ASSERT_EQUAL_INT(SSV_DOCK, plan.event[1].kind);
-    TEST_ASSERT_EQUAL_DOUBLE(plan.time_s, plan.event[1].t_s);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, time, plan.time_s);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, impulse, plan.impulse_Ns);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, time + impulse, plan.cost);
+    TEST_ASSERT_EQUAL_DOUBLE(plan.quote.time_s, plan.event[1].t_s);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, time, plan.quote.time_s);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, impulse, plan.quote.impulse_Ns);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, time + impulse, plan.quote.cost);
 }
 
 static void test_choice_is_the_cheapest_candidate_and_its_price_is_that_of_the_plan(void) {
@@ -46,26 +46,26 @@ static void test_choice_is_the_cheapest_candidate_and_its_price_is_that_of_the_p
         const ssv_scenario_t s = task_random();
         TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
         const int contacts = s.contact == 0 ? 2 : 1, heights = s.num_attach_heights == 0 ? 3 : s.num_attach_heights;
-        TEST_ASSERT_EQUAL_INT(contacts * heights, plan.num_candidates);
-        for (int k = 0; k < plan.num_candidates; k++) TEST_ASSERT_TRUE(plan.choice.cost <= plan.candidate[k].cost);
+        TEST_ASSERT_EQUAL_INT(contacts * heights, plan.quote.num_candidates);
+        for (int k = 0; k < plan.quote.num_candidates; k++) TEST_ASSERT_TRUE(plan.quote.choice.cost <= plan.quote.candidate[k].cost);
         // To the last bit: what was quoted is what is flown.
-        TEST_ASSERT_TRUE(plan.choice.cost == plan.cost && plan.choice.time_s == plan.time_s);
-        TEST_ASSERT_TRUE(plan.choice.impulse_Ns == plan.impulse_Ns);
+        TEST_ASSERT_TRUE(plan.quote.choice.cost == plan.quote.cost && plan.quote.choice.time_s == plan.quote.time_s);
+        TEST_ASSERT_TRUE(plan.quote.choice.impulse_Ns == plan.quote.impulse_Ns);
     }
 }
 
 static void test_vehicle_on_the_beams_axis_takes_the_cheapest_of_sixteen_sides(void) {
     ssv_scenario_t s = task_case_study(true);
     TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
-    TEST_ASSERT_TRUE(plan.num_priced >= 3 * SSV_NUM_RING_ANGLES);
+    TEST_ASSERT_TRUE(plan.quote.num_priced >= 3 * SSV_NUM_RING_ANGLES);
     s.ring_angle_given = true;
     double least = (double)INFINITY;
     for (int k = 0; k < SSV_NUM_RING_ANGLES; k++) {
         s.ring_angle_rad = 2 * REAL_PI * k / SSV_NUM_RING_ANGLES;
         TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &other));
-        least = fmin(least, other.cost);
+        least = fmin(least, other.quote.cost);
     }
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9 * least, least, plan.cost);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9 * least, least, plan.quote.cost);
 }
 
 static void test_half_turn_of_the_beam_is_planned_about_the_cheapest_axis(void) {
@@ -74,7 +74,7 @@ static void test_half_turn_of_the_beam_is_planned_about_the_cheapest_axis(void) 
     s.ring_angle_given = true;
     s.ring_angle_rad = -REAL_PI / 2;
     TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
-    TEST_ASSERT_TRUE(plan.num_priced >= 3 * SSV_NUM_TURN_AXES);
+    TEST_ASSERT_TRUE(plan.quote.num_priced >= 3 * SSV_NUM_TURN_AXES);
     const vec3_t outward_I = quat_apply(plan.X_IB_final.q, vec3(0, 0, -1));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1, outward_I.x);
 }
@@ -85,7 +85,7 @@ static void test_sample_moves_with_its_own_velocity_and_joins_the_legs(void) {
         const ssv_scenario_t s = task_random();
         TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
         for (int k = 0; k < 200; k++) {
-            const double h = 1e-5, t = task_between(h, plan.time_s - h);
+            const double h = 1e-5, t = task_between(h, plan.quote.time_s - h);
             ssv_sample_t before, here, after;
             ssv_plan_sample(&plan, t - h, &before);
             ssv_plan_sample(&plan, t, &here);
@@ -108,7 +108,7 @@ static void test_sample_rests_before_the_start_and_after_the_end(void) {
     ssv_plan_sample(&plan, -1, &sample);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, vec3_norm(vec3_sub(sample.X_IS.p, s.X_IS.p)));
     TEST_ASSERT_FALSE(sample.mated);
-    ssv_plan_sample(&plan, plan.time_s + 1, &sample);
+    ssv_plan_sample(&plan, plan.quote.time_s + 1, &sample);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, vec3_norm(vec3_sub(sample.X_IS.p, plan.X_IS_final.p)));
     TEST_ASSERT_TRUE(sample.mated);
     for (int i = 0; i < SSV_NUM_THRUSTERS; i++) TEST_ASSERT_EQUAL_DOUBLE(0, sample.u_N[i]);
@@ -120,9 +120,9 @@ static void test_task_that_is_done_already_costs_nothing(void) {
     s.X_IS = plan.X_IS_final;
     s.X_IB = plan.X_IB_final;
     s.num_attach_heights = 1;
-    s.attach_heights_m[0] = plan.choice.attach_height_m;
+    s.attach_heights_m[0] = plan.quote.choice.attach_height_m;
     TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &other));
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0, other.cost); // a turn by the rounding of the pose, 1e-8 rad, takes some 2e-4 s
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0, other.quote.cost); // a turn by the rounding of the pose, 1e-8 rad, takes some 2e-4 s
     TEST_ASSERT_EQUAL_INT(2, other.num_events);
 }
 
@@ -131,11 +131,11 @@ static void test_plan_that_would_take_too_long_is_infeasible_with_a_reason_for_e
     s.contact = 0;
     s.vehicle.force_max_N = 0.01;
     TEST_ASSERT_EQUAL_INT(SSV_INFEASIBLE, plan_of(&s, &plan));
-    TEST_ASSERT_EQUAL_INT(SSV_INFEASIBLE, plan.status);
-    TEST_ASSERT_EQUAL_INT(6, plan.num_candidates);
-    for (int k = 0; k < 6; k++) TEST_ASSERT_EQUAL_INT(SSV_TOO_LONG, plan.candidate[k].outcome);
+    TEST_ASSERT_EQUAL_INT(SSV_INFEASIBLE, plan.quote.status);
+    TEST_ASSERT_EQUAL_INT(6, plan.quote.num_candidates);
+    for (int k = 0; k < 6; k++) TEST_ASSERT_EQUAL_INT(SSV_TOO_LONG, plan.quote.candidate[k].outcome);
     TEST_ASSERT_EQUAL_INT(0, plan.num_legs + plan.num_segments + plan.num_events);
-    TEST_ASSERT_TRUE(plan.plan_hash == 0 && plan.scenario_hash == ssv_scenario_hash(&s));
+    TEST_ASSERT_TRUE(plan.plan_hash == 0 && plan.quote.scenario_hash == ssv_scenario_hash(&s));
 }
 
 static void test_same_question_gets_the_same_plan_and_another_question_another_hash(void) {
@@ -149,7 +149,7 @@ static void test_same_question_gets_the_same_plan_and_another_question_another_h
     TEST_ASSERT_TRUE(plan.plan_hash != ssv_plan_hash(&plan));
     s.p_IP_m.x += 1e-9;
     plan_of(&s, &other);
-    TEST_ASSERT_TRUE(plan.plan_hash != other.plan_hash && plan.scenario_hash != other.scenario_hash);
+    TEST_ASSERT_TRUE(plan.plan_hash != other.plan_hash && plan.quote.scenario_hash != other.quote.scenario_hash);
 }
 
 int main(void) {

@@ -1,7 +1,8 @@
 /// The onboard trajectory planner: what does it cost to fly to a beam and carry it to a hub port, and which thrusts do it?
 ///
-/// Three calls: `ssv_problem_init` checks a scenario and caches what follows from it, `ssv_plan` searches and prices the
-/// candidates and writes the plan, `ssv_plan_sample` reads the plan at a time. The planner is a function of its input: no
+/// `ssv_problem_init` checks a scenario and caches what follows from it, `ssv_plan` searches and prices the candidates and
+/// writes the plan, `ssv_plan_sample` reads the plan at a time. Where the price will do, there are `ssv_quote`, `ssv_front` and
+/// `ssv_lower_bound`. The planner is a function of its input: no
 /// clock, no randomness, no heap, no globals, no I/O; the same scenario gives the same plan, bit for bit. All memory is the
 /// caller's and every loop is bounded by a constant of this header or of the sources. Two planners may run side by side.
 ///
@@ -9,7 +10,7 @@
 ///     ssv_problem_t problem;
 ///     ssv_fault_t fault;
 ///     if (ssv_problem_init(&problem, &scenario, &fault) != SSV_OK) { ... fault.field names what is wrong ... }
-///     if (ssv_plan(&problem, &plan) == SSV_OK) { ... plan.cost, plan.segment[0..plan.num_segments) ... }
+///     if (ssv_plan(&problem, &plan) == SSV_OK) { ... plan.quote.cost, plan.segment[0..plan.num_segments) ... }
 ///
 /// Frames (right-handed, SI units, names end in their unit): I inertial; S vehicle, origin at its centre of mass, contact point
 /// on +x; B beam, origin at its centre of mass, z along the tube, contact 1 at z = -length/2, contact 2 at z = +length/2; C the
@@ -130,6 +131,7 @@ typedef struct {
     ssv_effort_t effort;          ///< of SSV_METHOD_OPTIMAL
     int num_attach_heights;       ///< [0, SSV_MAX_ATTACH_HEIGHTS]; 0 = the three rings +length/2, 0, -length/2 (paper Eq. 3)
     real_t attach_heights_m[SSV_MAX_ATTACH_HEIGHTS]; ///< [m] along z_B, each |h| <= length/2
+    bool want_candidates;         ///< whether the answer lists every candidate; that costs one exact price for each
     bool ring_angle_given;        ///< whether ring_angle_rad holds
     real_t ring_angle_rad;        ///< [rad] |angle| <= 2 pi, about z_B from x_B, the side of the beam to mate on
 } ssv_scenario_t;
@@ -222,18 +224,29 @@ typedef struct {
     real_t time_s, impulse_Ns, cost;
 } ssv_candidate_t;
 
-/// The answer. With SSV_INFEASIBLE only status, scenario_hash and the candidates are meaningful, the rest is zero.
+/// What a task costs.
 typedef struct {
     ssv_status_t status;          ///< SSV_OK or SSV_INFEASIBLE
-    uint64_t scenario_hash, plan_hash;
+    uint64_t scenario_hash;
     real_t cost;                  ///< [-] J = W1 time_s + W2 impulse_Ns
     real_t lower_bound;           ///< [-] no plan costs less; see ssv_lower_bound
     real_t time_s;                ///< [s] start to docked
     real_t impulse_Ns;            ///< [N s]
     ssv_candidate_t choice;       ///< the candidate that costs least
     int num_priced;               ///< ways to fly that were priced: grasps, turning axes, travel attitudes
-    int num_candidates;
+    int num_candidates;           ///< 0 unless asked for (scenario.want_candidates), or SSV_INFEASIBLE
     ssv_candidate_t candidate[SSV_MAX_CANDIDATES];
+} ssv_quote_t;
+
+/// The price without the plan: that of `ssv_plan`, to the last bit, unless that plan turns out not to fit its memory (see
+/// SSV_TOO_MANY_SEGMENTS). @return SSV_OK or SSV_INFEASIBLE, also in quote->status. Every field of *quote is written; with
+/// SSV_INFEASIBLE only status, scenario_hash and the candidates are meaningful, the rest is zero.
+ssv_status_t ssv_quote(const ssv_problem_t* problem, ssv_quote_t* quote);
+
+/// The answer. With SSV_INFEASIBLE only the quote is meaningful, the rest is zero.
+typedef struct {
+    ssv_quote_t quote;
+    uint64_t plan_hash;
     int num_legs;
     ssv_leg_t leg[SSV_MAX_LEGS];
     int num_pieces;
@@ -246,7 +259,23 @@ typedef struct {
     pose_t X_IS_final, X_IB_final;
 } ssv_plan_t;
 
-/// Plans. @return SSV_OK or SSV_INFEASIBLE, also in plan->status. Every field of *plan is written.
+/// Most points of a front.
+#define SSV_MAX_FRONT 24
+
+/// What time and impulse can be traded for: no point is better than another in both. In order of growing time.
+typedef struct {
+    ssv_status_t status;          ///< SSV_OK or SSV_INFEASIBLE
+    uint64_t scenario_hash;
+    int num_points;
+    ssv_candidate_t point[SSV_MAX_FRONT]; ///< cost is that with the scenario's weights
+} ssv_front_t;
+
+/// The front over the scenario's candidates and over a ladder of weights from time alone to impulse alone, each rung planned
+/// with the scenario's method and effort. A scheduler that changes its weights takes the point that costs least with them.
+/// A point costs what `ssv_quote` says for that rung. @return SSV_OK or SSV_INFEASIBLE; every field of *front is written.
+ssv_status_t ssv_front(const ssv_problem_t* problem, ssv_front_t* front);
+
+/// Plans. @return SSV_OK or SSV_INFEASIBLE, also in plan->quote.status. Every field of *plan is written.
 ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_plan_t* plan);
 
 /// 64-bit hash (FNV-1a over the fields in the order declared, plan_hash left out, arrays up to their counts) of a plan.

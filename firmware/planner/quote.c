@@ -1,0 +1,187 @@
+// The choice among the candidates, and what it costs (DESIGN.md 6).
+#include "planner/quote.h"
+
+#include "planner/search.h"
+
+// No price is above it.
+#define NEVER_GIVE_UP REAL(1e9)
+
+// Candidates that method optimal searches thoroughly, by effort: the cheapest after a first look at all.
+static const int num_thorough[] = {[SSV_EFFORT_QUICK] = 1, [SSV_EFFORT_BEST] = 3};
+
+static ssv_candidate_t candidate_of(const ssv_chain_t* chain) {
+    ssv_candidate_t candidate = {chain->grasp.contact, chain->grasp.height_m, chain->grasp.ring_angle_rad, chain->price.outcome,
+                                 REAL(0), REAL(0), REAL(0)};
+    if (chain->price.outcome == SSV_FEASIBLE) {
+        candidate.time_s = chain->price.time_s;
+        candidate.impulse_Ns = chain->price.impulse_Ns;
+        candidate.cost = chain->price.cost;
+    }
+    return candidate;
+}
+
+// The cheapest candidate that is still feasible and not done; -1 if there is none.
+static int cheapest(const ssv_quote_t* quote, const bool done[SSV_MAX_CANDIDATES]) {
+    int best = -1;
+    for (int k = 0; k < quote->num_candidates; k++) {
+        const ssv_candidate_t* candidate = &quote->candidate[k];
+        if (done[k] || candidate->outcome != SSV_FEASIBLE) continue;
+        if (best < 0 || candidate->cost < quote->candidate[best].cost) best = k;
+    }
+    return best;
+}
+
+// Enters what a search of a candidate found, if it is cheaper than what is there.
+static void improve(ssv_quote_t* quote, int k, const ssv_chain_t* chain, ssv_chain_t* best) {
+    const ssv_candidate_t found = candidate_of(chain);
+    ssv_candidate_t* known = &quote->candidate[k];
+    if (known->outcome != SSV_FEASIBLE || (found.outcome == SSV_FEASIBLE && found.cost < known->cost)) *known = found;
+    if (ssv_price_beats(&chain->price, &best->price)) *best = *chain;
+}
+
+static void list_candidates(const ssv_scenario_t* scenario, ssv_quote_t* quote) {
+    for (int contact = 1; contact <= SSV_NUM_CONTACTS; contact++) {
+        if (scenario->contact != 0 && scenario->contact != contact) continue;
+        for (int k = 0; k < scenario->num_attach_heights; k++) {
+            quote->candidate[quote->num_candidates++] = (ssv_candidate_t){
+                contact, scenario->attach_heights_m[k], REAL(0), SSV_NO_AUTHORITY, REAL(0), REAL(0), REAL(0)};
+        }
+    }
+}
+
+// The paper's chain of each candidate; not those whose straight flights alone cost give_up.
+static void search_paper(const ssv_problem_t* problem, real_t give_up, ssv_quote_t* quote, ssv_chain_t* best) {
+    ssv_chain_t chain;
+    for (int k = 0; k < quote->num_candidates; k++) {
+        const ssv_candidate_t* candidate = &quote->candidate[k];
+        if (ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, give_up, &chain, &quote->num_priced)) {
+            improve(quote, k, &chain, best);
+        }
+    }
+}
+
+// A first look at every candidate, then a thorough search of the cheapest.
+static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ssv_quote_t* quote, ssv_chain_t* best) {
+    bool done[SSV_MAX_CANDIDATES] = {false};
+    ssv_chain_t chain;
+    for (int k = 0; k < quote->num_candidates; k++) {
+        const ssv_candidate_t* candidate = &quote->candidate[k];
+        ssv_search_optimal(problem, candidate->contact, candidate->attach_height_m, effort, false, &chain, &quote->num_priced);
+        improve(quote, k, &chain, best);
+    }
+    for (int n = 0; n < num_thorough[effort]; n++) {
+        const int next = cheapest(quote, done);
+        if (next < 0) break;
+        const ssv_candidate_t* candidate = &quote->candidate[next];
+        done[next] = true;
+        ssv_search_optimal(problem, candidate->contact, candidate->attach_height_m, effort, true, &chain, &quote->num_priced);
+        improve(quote, next, &chain, best);
+    }
+}
+
+bool ssv_choose(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
+    const ssv_scenario_t* scenario = &problem->scenario;
+    memset(quote, 0, sizeof *quote);
+    quote->status = SSV_INFEASIBLE;
+    quote->scenario_hash = problem->scenario_hash;
+    best->price.outcome = SSV_TOO_LONG;
+    list_candidates(scenario, quote);
+    // More effort starts with what less effort does, and method optimal ends with the paper's chains where these could still
+    // be cheaper: neither ever costs more.
+    if (scenario->method == SSV_METHOD_OPTIMAL) {
+        for (int effort = SSV_EFFORT_QUICK; effort <= (int)scenario->effort; effort++) {
+            search_optimal(problem, (ssv_effort_t)effort, quote, best);
+        }
+    }
+    search_paper(problem, best->price.outcome == SSV_FEASIBLE ? best->price.cost : NEVER_GIVE_UP, quote, best);
+    return best->price.outcome == SSV_FEASIBLE;
+}
+
+bool ssv_choose_another(const ssv_problem_t* problem, ssv_outcome_t outcome, ssv_quote_t* quote, ssv_chain_t* chain) {
+    static const bool none_done[SSV_MAX_CANDIDATES] = {false};
+    int k = cheapest(quote, none_done);
+    if (k >= 0) quote->candidate[k].outcome = outcome;
+    k = cheapest(quote, none_done);
+    if (k < 0) return false;
+    const ssv_candidate_t* candidate = &quote->candidate[k];
+    (void)ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, NEVER_GIVE_UP, chain, &quote->num_priced);
+    return true;
+}
+
+void ssv_quote_settle(const ssv_problem_t* problem, const ssv_chain_t* chain, ssv_quote_t* quote) {
+    quote->choice = candidate_of(chain);
+    quote->status = SSV_OK;
+    quote->cost = quote->choice.cost;
+    quote->time_s = quote->choice.time_s;
+    quote->impulse_Ns = quote->choice.impulse_Ns;
+    quote->lower_bound = ssv_lower_bound(problem);
+    for (int k = 0; k < quote->num_candidates; k++) {
+        ssv_candidate_t* candidate = &quote->candidate[k];
+        const bool chosen = candidate->contact == chain->grasp.contact && candidate->attach_height_m == chain->grasp.height_m;
+        if (chosen) *candidate = quote->choice;
+    }
+    if (problem->scenario.want_candidates) return;
+    quote->num_candidates = 0;
+    memset(quote->candidate, 0, sizeof quote->candidate);
+}
+
+ssv_status_t ssv_quote(const ssv_problem_t* problem, ssv_quote_t* quote) {
+    ssv_chain_t chain;
+    if (ssv_choose(problem, quote, &chain)) ssv_quote_settle(problem, &chain, quote);
+    return quote->status;
+}
+
+// ---- Front --------------------------------------------------------------------------------------------------------------
+
+// Weights in units in which one thruster at its limit costs as much per second as the rung says, time one.
+#define NUM_RUNGS 9
+static const real_t rungs[NUM_RUNGS][2] = {{REAL(1), REAL(0)},   {REAL(1), REAL(0.02)}, {REAL(1), REAL(0.1)},
+                                           {REAL(1), REAL(0.5)}, {REAL(1), REAL(2)},    {REAL(1), REAL(10)},
+                                           {REAL(1), REAL(100)}, {REAL(0), REAL(1)},    {REAL(0), REAL(0)}};
+
+// Adds the point if none is at least as good in both, and drops those that it makes needless. Room is kept for spare more.
+static void front_add(ssv_front_t* front, const ssv_candidate_t* point, int spare) {
+    int kept = 0;
+    for (int k = 0; k < front->num_points; k++) {
+        const ssv_candidate_t* old = &front->point[k];
+        if (old->time_s <= point->time_s && old->impulse_Ns <= point->impulse_Ns) return;
+    }
+    for (int k = 0; k < front->num_points; k++) {
+        const ssv_candidate_t old = front->point[k];
+        if (old.time_s < point->time_s || old.impulse_Ns < point->impulse_Ns) front->point[kept++] = old;
+    }
+    front->num_points = kept;
+    if (kept + spare >= SSV_MAX_FRONT) return;
+    int k = front->num_points++;
+    for (; k > 0 && front->point[k - 1].time_s > point->time_s; k--) front->point[k] = front->point[k - 1];
+    front->point[k] = *point;
+}
+
+ssv_status_t ssv_front(const ssv_problem_t* problem, ssv_front_t* front) {
+    const ssv_scenario_t* scenario = &problem->scenario;
+    ssv_problem_t rung = *problem;
+    ssv_quote_t quote;
+    memset(front, 0, sizeof *front);
+    front->status = SSV_INFEASIBLE;
+    front->scenario_hash = problem->scenario_hash;
+    rung.scenario.want_candidates = true;
+    for (int n = 0; n < NUM_RUNGS; n++) {
+        // The last rung is the scenario itself, so that its own price is among the points.
+        const bool itself = n == NUM_RUNGS - 1;
+        rung.scenario.weight_time_per_s = itself ? scenario->weight_time_per_s : rungs[n][0];
+        rung.scenario.weight_impulse_per_Ns =
+            itself ? scenario->weight_impulse_per_Ns : real_div(rungs[n][1], scenario->vehicle.force_max_N);
+        if (ssv_quote(&rung, &quote) != SSV_OK) continue;
+        front->status = SSV_OK;
+        front_add(front, &quote.choice, NUM_RUNGS - 1 - n);
+        for (int k = 0; k < quote.num_candidates; k++) {
+            if (quote.candidate[k].outcome == SSV_FEASIBLE) front_add(front, &quote.candidate[k], NUM_RUNGS - 1 - n);
+        }
+    }
+    for (int k = 0; k < front->num_points; k++) {
+        ssv_candidate_t* point = &front->point[k];
+        point->cost = real_mul(scenario->weight_time_per_s, point->time_s) +
+                      real_mul(scenario->weight_impulse_per_Ns, point->impulse_Ns);
+    }
+    return front->status;
+}
