@@ -143,3 +143,43 @@ ssv_scenario_t task_random(void) {
     s.ring_angle_rad = real_from_double(s.ring_angle_given ? task_between(-6, 6) : 0);
     return s;
 }
+
+ssv_scenario_t task_moved(const ssv_scenario_t* task, pose_t X) {
+    ssv_scenario_t s = *task;
+    s.X_IS = pose_mul(X, s.X_IS);
+    s.X_IB = pose_mul(X, s.X_IB);
+    s.p_IP_m = vec3_add(X.p, quat_apply(X.q, s.p_IP_m));
+    s.axis_I = quat_apply(X.q, s.axis_I);
+    return s;
+}
+
+static vec3_t reflect(vec3_t v, task_axis_t axis) {
+    return vec3(axis == TASK_X ? -v.x : v.x, axis == TASK_Y ? -v.y : v.y, axis == TASK_Z ? -v.z : v.z);
+}
+
+// With M the reflection of I in y and D that of the body in its axis, M R D = (M R M)(M D): in the first factor the axis of
+// rotation is reflected and the sense reversed, the second is a half turn or nothing.
+static pose_t reflect_pose(pose_t X, task_axis_t body_axis) {
+    const quat_t q = {X.q.w, -X.q.x, X.q.y, -X.q.z};
+    const quat_t half_turn = {REAL(body_axis == TASK_Y), REAL(body_axis == TASK_Z), REAL(0), REAL(body_axis == TASK_X)};
+    return (pose_t){reflect(X.p, TASK_Y), quat_mul(q, half_turn)};
+}
+
+ssv_scenario_t task_mirrored(const ssv_scenario_t* task, task_axis_t vehicle_axis, task_axis_t beam_axis) {
+    ssv_scenario_t s = *task;
+    s.X_IS = reflect_pose(s.X_IS, vehicle_axis);
+    s.X_IB = reflect_pose(s.X_IB, beam_axis);
+    s.p_IP_m = reflect(s.p_IP_m, TASK_Y);
+    s.axis_I = reflect(s.axis_I, TASK_Y);
+    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+        s.vehicle.thruster[i].p_ST_m = reflect(s.vehicle.thruster[i].p_ST_m, vehicle_axis);
+        s.vehicle.thruster[i].n_T_S = reflect(s.vehicle.thruster[i].n_T_S, vehicle_axis);
+    }
+    const vec3_t side = reflect(vec3(real_cos(s.ring_angle_rad), real_sin(s.ring_angle_rad), REAL(0)), beam_axis);
+    s.ring_angle_rad = s.ring_angle_given ? real_atan2(side.y, side.x) : REAL(0);
+    if (beam_axis == TASK_Z) {
+        s.contact = s.contact == 0 ? 0 : 3 - s.contact;
+        for (int i = 0; i < s.num_attach_heights; i++) s.attach_heights_m[i] = -s.attach_heights_m[i];
+    }
+    return s;
+}

@@ -26,4 +26,13 @@ ssv_scenario_t task_case_study(bool ease);
 /// out of place.
 ssv_scenario_t task_random(void);
 
+/// The same task with the whole scene carried off by X.
+ssv_scenario_t task_moved(const ssv_scenario_t* task, pose_t X);
+
+/// The mirror image of the task in the plane y = 0 of I. Body frames stay right-handed, so each is reflected along one of its
+/// own axes too: y or z of the vehicle, whose +x stays the contact; x, y or z of the beam, where z swaps the contacts.
+/// Thrusters are reflected as points and vectors.
+typedef enum { TASK_X = 0, TASK_Y = 1, TASK_Z = 2 } task_axis_t;
+ssv_scenario_t task_mirrored(const ssv_scenario_t* task, task_axis_t vehicle_axis, task_axis_t beam_axis);
+
 #endif
