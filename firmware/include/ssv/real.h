@@ -1,50 +1,42 @@
 /// The scalar of the planner, and every operation on it beyond + and -.
 ///
-/// Sums and comparisons are plain C; products, quotients, roots and transcendental functions are calls, so that another
-/// arithmetic can take the place of `double` here without a change to the physics. Write constants as REAL(0.5).
-/// The planner's archive takes from libm only what this header names. Build with -ffp-contract=off: a fused product would
-/// make the same source give different bits.
+/// Sums, differences and comparisons are plain C; products, quotients, roots and transcendental functions are calls, so that
+/// one physics runs in several arithmetics. CMake's SSV_REAL chooses one for everything that is built together:
+///   double   real_double.h   IEEE 754 binary64, the default
+///   float    real_float.h    IEEE 754 binary32
+///   fixed    real_fixed.h    Q31.32 in 64-bit integers: no floating point, the same bits on every machine
+/// Each gives the same names, and nothing else in the sources knows which one it is:
+///   real_t, REAL_NAME                                      the type, and "double", "float" or "fixed"
+///   REAL(literal)                                          a constant, converted when compiled
+///   real_mul real_div real_abs real_sqrt                   correctly rounded
+///   real_log1p real_expm1 real_sin real_cos real_tan real_atan2(y, x)
+///   real_from_int                                          exact for |a| < 2^24
+///   real_from_double real_to_double real_is_finite         the boundary: what comes from or goes to the outside. Rounds to
+///                                                          the nearest; NaN and infinities pass, and are not finite
+///   real_bits                                              the value's bits, for hashes; both zeros give the same
+///   real_overflows()                                       how many results did not fit so far: compare before and after
+/// The IEEE scalars overflow to infinities, which real_is_finite finds; their real_overflows() is always 0.
+/// Of libm the archive takes only what the scalar's header names. Build with -ffp-contract=off: a fused product would make
+/// the same source give different bits.
 #ifndef SSV_REAL_H
 #define SSV_REAL_H
 
-#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
-/// IEEE 754 binary64.
-typedef double real_t;
+#if defined SSV_REAL_FIXED
+#include "ssv/real_fixed.h"
+#elif defined SSV_REAL_FLOAT
+#include "ssv/real_float.h"
+#else
+#include "ssv/real_double.h"
+#endif
 
-/// A constant of the scalar's type.
-#define REAL(x) ((real_t)(x))
 #define REAL_PI REAL(3.14159265358979323846)
 
-static inline real_t real_mul(real_t a, real_t b) { return a * b; }
-static inline real_t real_div(real_t a, real_t b) { return a / b; }
-static inline real_t real_sq(real_t a) { return a * a; }
-static inline real_t real_abs(real_t a) { return fabs(a); }
+static inline real_t real_sq(real_t a) { return real_mul(a, a); }
 static inline real_t real_min(real_t a, real_t b) { return a < b ? a : b; }
 static inline real_t real_max(real_t a, real_t b) { return a > b ? a : b; }
-static inline real_t real_sqrt(real_t a) { return sqrt(a); }
-static inline real_t real_log1p(real_t a) { return log1p(a); }
-static inline real_t real_expm1(real_t a) { return expm1(a); }
-static inline real_t real_sin(real_t a) { return sin(a); }
-static inline real_t real_cos(real_t a) { return cos(a); }
-static inline real_t real_tan(real_t a) { return tan(a); }
-static inline real_t real_atan2(real_t y, real_t x) { return atan2(y, x); }
-static inline real_t real_from_int(int a) { return (real_t)a; }
-
-/// The boundary: what comes from or goes to the outside as a double. Exact for this scalar.
-static inline real_t real_from_double(double a) { return a; }
-static inline double real_to_double(real_t a) { return a; }
-static inline bool real_is_finite(real_t a) { return isfinite(a); }
-
-/// The value's bits, for hashes; the two zeros give the same bits.
-static inline uint64_t real_bits(real_t a) {
-    const double d = a + 0.0;
-    uint64_t bits = 0;
-    memcpy(&bits, &d, sizeof bits);
-    return bits;
-}
 
 #endif

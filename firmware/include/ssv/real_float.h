@@ -1,0 +1,38 @@
+/// The scalar as IEEE 754 binary32; the manual is ssv/real.h, which includes this.
+#ifndef SSV_REAL_FLOAT_H
+#define SSV_REAL_FLOAT_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+typedef float real_t;
+
+#define REAL_NAME "float"
+#define REAL(x) ((real_t)(x))
+
+static inline real_t real_mul(real_t a, real_t b) { return a * b; }
+static inline real_t real_div(real_t a, real_t b) { return a / b; }
+static inline real_t real_abs(real_t a) { return fabsf(a); }
+static inline real_t real_sqrt(real_t a) { return sqrtf(a); }
+static inline real_t real_log1p(real_t a) { return log1pf(a); }
+static inline real_t real_expm1(real_t a) { return expm1f(a); }
+static inline real_t real_sin(real_t a) { return sinf(a); }
+static inline real_t real_cos(real_t a) { return cosf(a); }
+static inline real_t real_tan(real_t a) { return tanf(a); }
+static inline real_t real_atan2(real_t y, real_t x) { return atan2f(y, x); }
+static inline real_t real_from_int(int a) { return (real_t)a; }
+static inline real_t real_from_double(double a) { return (real_t)a; }
+static inline double real_to_double(real_t a) { return (double)a; }
+static inline bool real_is_finite(real_t a) { return isfinite(a); }
+static inline uint32_t real_overflows(void) { return 0; }
+
+static inline uint64_t real_bits(real_t a) {
+    const float f = a + 0.0f;
+    uint32_t bits = 0;
+    memcpy(&bits, &f, sizeof bits);
+    return bits;
+}
+
+#endif
