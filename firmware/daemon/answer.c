@@ -53,7 +53,7 @@ void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* 
     for (int i = 0; i < SSV_MAX_ATTACH_HEIGHTS; i++) {
         scenario->attach_heights_m[i] = real_from_double(wire->options.attach_heights_m[i]);
     }
-    scenario->want_candidates = true;
+    scenario->want_candidates = wire->options.want_candidates != 0;
     scenario->ring_angle_given = wire->options.ring_angle_given != 0;
     scenario->ring_angle_rad = real_from_double(wire->options.ring_angle_rad);
 }
@@ -110,47 +110,47 @@ static lcm_ssv_segment_t segment_to_wire(const ssv_segment_t* segment) {
     return wire;
 }
 
-/// Appends to the reason; what does not fit is cut.
-__attribute__((format(printf, 2, 3))) static void reason_add(ssv_answer_t* answer, const char* format, ...) {
-    const size_t used = strlen(answer->reason);
+/// Appends to a reason of SSV_REASON_SIZE; what does not fit is cut.
+__attribute__((format(printf, 2, 3))) static void reason_add(char* reason, const char* format, ...) {
+    const size_t used = strlen(reason);
     va_list args;
     va_start(args, format);
-    vsnprintf(answer->reason + used, sizeof answer->reason - used, format, args);
+    vsnprintf(reason + used, SSV_REASON_SIZE - used, format, args);
     va_end(args);
 }
 
 /// "vehicle.thrusters[].n_T_S" and 2 give "vehicle.thrusters[2].n_T_S".
-static void reason_add_field(ssv_answer_t* answer, const char* field, int index) {
+static void reason_add_field(char* reason, const char* field, int index) {
     const char* bracket = strchr(field, ']');
     if (bracket == NULL || index < 0) {
-        reason_add(answer, "%s", field);
+        reason_add(reason, "%s", field);
         return;
     }
-    reason_add(answer, "%.*s%d%s", (int)(bracket - field), field, index, bracket);
+    reason_add(reason, "%.*s%d%s", (int)(bracket - field), field, index, bracket);
 }
 
 /// The fault in words: where, what, and what would be right.
-static void reason_add_fault(ssv_answer_t* answer, const ssv_fault_t* fault) {
+static void reason_add_fault(char* reason, const ssv_fault_t* fault) {
     const double value = real_to_double(fault->value);
     const double min = real_to_double(fault->min);
     const double max = real_to_double(fault->max);
-    reason_add_field(answer, fault->field, fault->index);
+    reason_add_field(reason, fault->field, fault->index);
     switch (fault->status) {
         case SSV_E_NOT_FINITE:
             // printf would show the sign of a NaN, which means nothing.
-            reason_add(answer, ": %s is not a finite number", isnan(value) ? "nan" : value < 0 ? "-inf" : "inf");
+            reason_add(reason, ": %s is not a finite number", isnan(value) ? "nan" : value < 0 ? "-inf" : "inf");
             break;
         case SSV_E_RANGE:
-            reason_add(answer, ": %.9g is outside its range [%.9g, %.9g]", value, min, max);
+            reason_add(reason, ": %.9g is outside its range [%.9g, %.9g]", value, min, max);
             break;
         case SSV_E_NOT_UNIT:
-            reason_add(answer, ": length %.9g is not 1 within %.3g", value, real_to_double(SSV_UNIT_TOLERANCE));
+            reason_add(reason, ": length %.9g is not 1 within %.3g", value, real_to_double(SSV_UNIT_TOLERANCE));
             break;
         case SSV_E_SINGULAR:
-            reason_add(answer, ": placed so that they cannot hold every force and moment");
+            reason_add(reason, ": placed so that they cannot hold every force and moment");
             break;
         case SSV_E_WEIGHTS:
-            reason_add(answer, ": both are zero, one must be positive");
+            reason_add(reason, ": both are zero, one must be positive");
             break;
         case SSV_OK:
         case SSV_INFEASIBLE:
@@ -158,88 +158,195 @@ static void reason_add_fault(ssv_answer_t* answer, const ssv_fault_t* fault) {
     }
 }
 
-static void reason_add_candidates(ssv_answer_t* answer) {
-    reason_add(answer, "no feasible candidate");
-    for (int i = 0; i < answer->wire.num_candidates; i++) {
-        const lcm_ssv_candidate_t* candidate = &answer->candidates[i];
-        reason_add(answer, "; contact %d, height %.9g m: %s", candidate->contact, candidate->attach_height_m,
+static void reason_add_candidates(char* reason, const lcm_ssv_quote_t* quote) {
+    reason_add(reason, "no feasible candidate");
+    for (int i = 0; i < quote->num_candidates; i++) {
+        const lcm_ssv_candidate_t* candidate = &quote->candidates[i];
+        reason_add(reason, "; contact %d, height %.9g m: %s", candidate->contact, candidate->attach_height_m,
                    candidate->reason);
     }
 }
 
-/// An answer of this status with nothing in it yet.
-static void answer_begin(const lcm_ssv_scenario_t* question, int8_t status, ssv_answer_t* answer) {
+/// A refusal that does not say why yet.
+static void quote_begin(const lcm_ssv_scenario_t* question, ssv_quote_parts_t* parts, lcm_ssv_quote_t* wire) {
+    memset(wire, 0, sizeof *wire);
+    parts->reason[0] = '\0';
+    wire->request_id = question->request_id;
+    wire->epoch_us = question->epoch_us;
+    wire->status = LCM_SSV_QUOTE_T_STATUS_INVALID;
+    wire->reason = parts->reason;
+    wire->candidates = parts->candidates;
+    wire->front = parts->front;
+}
+
+/// The way from outside to a checked problem. @return SSV_OK, or what is wrong, which the reason then tells.
+static ssv_status_t check(const lcm_ssv_scenario_t* question, int64_t epoch_us, char* reason, ssv_problem_t* problem) {
+    if (epoch_us < 0) {
+        reason_add(reason, "epoch_us: %lld is negative, it must be 0 or later", (long long)epoch_us);
+        return SSV_E_RANGE;
+    }
+    ssv_scenario_t scenario;
+    ssv_fault_t fault;
+    ssv_scenario_from_wire(&scenario, question);
+    const ssv_status_t checked = ssv_problem_init(problem, &scenario, &fault);
+    if (checked != SSV_OK) {
+        reason_add_fault(reason, &fault);
+    }
+    return checked;
+}
+
+static void front_to_wire(const ssv_problem_t* problem, lcm_ssv_quote_t* wire) {
+    ssv_front_t front;
+    ssv_front(problem, &front);
+    wire->num_front = front.num_points;
+    for (int i = 0; i < front.num_points; i++) {
+        wire->front[i] = candidate_to_wire(&front.point[i]);
+    }
+}
+
+/// The core's quote in words of the wire, with the front if that is asked for.
+static void quote_to_wire(const ssv_problem_t* problem, const ssv_quote_t* quote, bool want_front, ssv_quote_parts_t* parts,
+                          lcm_ssv_quote_t* wire) {
+    wire->scenario_hash = (int64_t)quote->scenario_hash;
+    wire->num_candidates = quote->num_candidates;
+    for (int i = 0; i < quote->num_candidates; i++) {
+        wire->candidates[i] = candidate_to_wire(&quote->candidate[i]);
+    }
+    if (quote->status != SSV_OK) {
+        wire->status = LCM_SSV_QUOTE_T_STATUS_INFEASIBLE;
+        reason_add_candidates(parts->reason, wire);
+        return;
+    }
+    wire->status = LCM_SSV_QUOTE_T_STATUS_OK;
+    wire->cost = real_to_double(quote->cost);
+    wire->cost_lower_bound = real_to_double(quote->lower_bound);
+    wire->time_s = real_to_double(quote->time_s);
+    wire->impulse_Ns = real_to_double(quote->impulse_Ns);
+    wire->choice.contact = (int8_t)quote->choice.contact;
+    wire->choice.attach_height_m = real_to_double(quote->choice.attach_height_m);
+    wire->choice.ring_angle_rad = real_to_double(quote->choice.ring_angle_rad);
+    wire->choice.candidates = quote->num_priced;
+    if (want_front) {
+        front_to_wire(problem, wire);
+    }
+}
+
+static void motion_to_wire(const ssv_plan_t* plan, lcm_ssv_plan_t* wire) {
+    wire->plan_hash = (int64_t)plan->plan_hash;
+    wire->num_legs = plan->num_legs;
+    for (int i = 0; i < plan->num_legs; i++) {
+        wire->legs[i] = leg_to_wire(&plan->leg[i]);
+    }
+    wire->num_segments = plan->num_segments;
+    for (int i = 0; i < plan->num_segments; i++) {
+        wire->segments[i] = segment_to_wire(&plan->segment[i]);
+    }
+    wire->num_events = plan->num_events;
+    for (int i = 0; i < plan->num_events; i++) {
+        wire->events[i].t_s = real_to_double(plan->event[i].t_s);
+        wire->events[i].kind = (int8_t)plan->event[i].kind;
+    }
+    wire->X_IS_final = pose_to_wire(plan->X_IS_final);
+    wire->X_IB_final = pose_to_wire(plan->X_IB_final);
+}
+
+static void answer_begin(const lcm_ssv_scenario_t* question, ssv_answer_t* answer) {
     memset(&answer->wire, 0, sizeof answer->wire);
-    answer->reason[0] = '\0';
-    answer->wire.request_id = question->request_id;
-    answer->wire.epoch_us = question->epoch_us;
-    answer->wire.status = status;
-    answer->wire.reason = answer->reason;
-    answer->wire.candidates = answer->candidates;
+    quote_begin(question, &answer->parts, &answer->wire.quote);
     answer->wire.legs = answer->legs;
     answer->wire.segments = answer->segments;
     answer->wire.events = answer->events;
 }
 
 void ssv_answer_refuse(const lcm_ssv_scenario_t* question, const char* reason, ssv_answer_t* answer) {
-    answer_begin(question, LCM_SSV_PLAN_T_STATUS_INVALID, answer);
-    reason_add(answer, "%s", reason);
+    answer_begin(question, answer);
+    reason_add(answer->parts.reason, "%s", reason);
 }
 
 ssv_status_t ssv_answer(const lcm_ssv_scenario_t* question, ssv_answer_t* answer) {
-    answer_begin(question, LCM_SSV_PLAN_T_STATUS_INVALID, answer);
-    if (question->epoch_us < 0) {
-        reason_add(answer, "epoch_us: %lld is negative, it must be 0 or later", (long long)question->epoch_us);
-        return SSV_E_RANGE;
-    }
-    ssv_scenario_t scenario;
     ssv_problem_t problem;
-    ssv_fault_t fault;
-    ssv_scenario_from_wire(&scenario, question);
-    const ssv_status_t checked = ssv_problem_init(&problem, &scenario, &fault);
+    answer_begin(question, answer);
+    const ssv_status_t checked = check(question, question->epoch_us, answer->parts.reason, &problem);
     if (checked != SSV_OK) {
-        reason_add_fault(answer, &fault);
         return checked;
     }
-
-    const ssv_plan_t* plan = &answer->plan;
-    lcm_ssv_plan_t* wire = &answer->wire;
     const ssv_status_t planned = ssv_plan(&problem, &answer->plan);
-    wire->scenario_hash = (int64_t)plan->quote.scenario_hash;
-    wire->num_candidates = plan->quote.num_candidates;
-    for (int i = 0; i < plan->quote.num_candidates; i++) {
-        answer->candidates[i] = candidate_to_wire(&plan->quote.candidate[i]);
+    quote_to_wire(&problem, &answer->plan.quote, question->options.want_front != 0, &answer->parts, &answer->wire.quote);
+    if (planned == SSV_OK) {
+        motion_to_wire(&answer->plan, &answer->wire);
     }
-    if (planned != SSV_OK) {
-        wire->status = LCM_SSV_PLAN_T_STATUS_INFEASIBLE;
-        reason_add_candidates(answer);
-        return planned;
-    }
+    return planned;
+}
 
-    wire->status = LCM_SSV_PLAN_T_STATUS_OK;
-    wire->plan_hash = (int64_t)plan->plan_hash;
-    wire->cost = real_to_double(plan->quote.cost);
-    wire->cost_lower_bound = real_to_double(plan->quote.lower_bound);
-    wire->time_s = real_to_double(plan->quote.time_s);
-    wire->impulse_Ns = real_to_double(plan->quote.impulse_Ns);
-    wire->choice.contact = (int8_t)plan->quote.choice.contact;
-    wire->choice.attach_height_m = real_to_double(plan->quote.choice.attach_height_m);
-    wire->choice.ring_angle_rad = real_to_double(plan->quote.choice.ring_angle_rad);
-    wire->choice.candidates = plan->quote.num_priced;
-    wire->num_legs = plan->num_legs;
-    for (int i = 0; i < plan->num_legs; i++) {
-        answer->legs[i] = leg_to_wire(&plan->leg[i]);
+void ssv_answer_batch_begin(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer) {
+    answer->wire.num_quotes = 0;
+    answer->wire.request_id = question->request_id;
+    answer->wire.epoch_us = question->epoch_us;
+    answer->wire.quotes = answer->quotes;
+}
+
+/// A refusal of the next scenario that does not say why yet. @return its number.
+static int batch_quote_begin(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer) {
+    const int i = answer->wire.num_quotes++;
+    quote_begin(&question->scenarios[i], &answer->parts[i], &answer->quotes[i]);
+    return i;
+}
+
+ssv_status_t ssv_answer_batch_next(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer) {
+    const int i = batch_quote_begin(question, answer);
+    const lcm_ssv_scenario_t* scenario = &question->scenarios[i];
+    ssv_quote_parts_t* parts = &answer->parts[i];
+    ssv_problem_t problem;
+    const ssv_status_t checked = check(scenario, question->epoch_us, parts->reason, &problem);
+    if (checked != SSV_OK) {
+        return checked;
     }
-    wire->num_segments = plan->num_segments;
-    for (int i = 0; i < plan->num_segments; i++) {
-        answer->segments[i] = segment_to_wire(&plan->segment[i]);
+    ssv_quote_t quote;
+    const ssv_status_t priced = ssv_quote(&problem, &quote);
+    quote_to_wire(&problem, &quote, scenario->options.want_front != 0, parts, &answer->quotes[i]);
+    return priced;
+}
+
+void ssv_answer_batch(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer) {
+    ssv_answer_batch_begin(question, answer);
+    while (answer->wire.num_quotes < question->num_scenarios) {
+        ssv_answer_batch_next(question, answer);
     }
-    wire->num_events = plan->num_events;
-    for (int i = 0; i < plan->num_events; i++) {
-        answer->events[i].t_s = real_to_double(plan->event[i].t_s);
-        answer->events[i].kind = (int8_t)plan->event[i].kind;
+}
+
+void ssv_answer_batch_refuse(const lcm_ssv_scenario_batch_t* question, const char* reason, ssv_batch_answer_t* answer) {
+    ssv_answer_batch_begin(question, answer);
+    while (answer->wire.num_quotes < question->num_scenarios) {
+        const int i = batch_quote_begin(question, answer);
+        reason_add(answer->parts[i].reason, "%s", reason);
     }
-    wire->X_IS_final = pose_to_wire(plan->X_IS_final);
-    wire->X_IB_final = pose_to_wire(plan->X_IB_final);
-    return SSV_OK;
+}
+
+static uint64_t read_big_endian(const uint8_t* data, int size) {
+    uint64_t value = 0;
+    for (int i = 0; i < size; i++) {
+        value = value << 8 | data[i];
+    }
+    return value;
+}
+
+bool ssv_scenario_batch_decode(const void* data, size_t size, lcm_ssv_scenario_t scenarios[SSV_MAX_BATCH],
+                               lcm_ssv_scenario_batch_t* batch) {
+    const uint8_t* bytes = data;
+    const size_t hash_size = 8, head_size = hash_size + 4 + 8 + 8;
+    if (size < head_size || read_big_endian(bytes, 8) != (uint64_t)__lcm_ssv_scenario_batch_t_get_hash()) {
+        return false;
+    }
+    const uint64_t count = read_big_endian(bytes + hash_size, 4);
+    // encoded_size counts a type hash, which a part of a message does not have.
+    const size_t scenario_size = (size_t)lcm_ssv_scenario_t_encoded_size(&(lcm_ssv_scenario_t){0}) - hash_size;
+    if (count < 1 || count > SSV_MAX_BATCH || size != head_size + count * scenario_size) {
+        return false;
+    }
+    __lcm_ssv_scenario_t_decode_array(bytes, (int)head_size, (int)(size - head_size), scenarios, (int)count);
+    *batch = (lcm_ssv_scenario_batch_t){.num_scenarios = (int32_t)count,
+                                        .request_id = (int64_t)read_big_endian(bytes + hash_size + 4, 8),
+                                        .epoch_us = (int64_t)read_big_endian(bytes + hash_size + 12, 8),
+                                        .scenarios = scenarios};
+    return true;
 }

@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "ask.h"
 
+#include <assert.h>
 #include <lcm/lcm.h>
 #include <math.h>
 #include <stdint.h>
@@ -8,15 +9,19 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "ssv/planner.h"
+#include "ssv/answer.h"
 
 #define RESEND_PERIOD_S 0.5
 
+/// One question and the wait for its answer, which is a plan or quotes.
 typedef struct {
+    const char *ask_channel, *answer_channel;
     int64_t request_id;
-    lcm_ssv_plan_t* answer;
+    lcm_ssv_plan_t* plan;
+    lcm_ssv_quote_batch_t* quotes;
+    uint32_t num_quotes;          ///< as many as there must be
     bool answered;
-    int foreign;                  ///< messages on the channel that are no plan_t of our version
+    int foreign;                  ///< messages on the channel that are no such answer of our version
 } wait_t;
 
 static double now_s(void) {
@@ -45,37 +50,70 @@ static bool skip_string(const uint8_t* data, size_t size, size_t* at) {
     return true;
 }
 
-/// Whether the datagram is a plan_t through and through: the generated decoder allocates what the counts and the string
-/// lengths say, does not look for the strings' terminators, and forgets what it allocated when the datagram ends early.
-/// Offsets follow plan_t.lcm and candidate_t.lcm; the fingerprint vouches for them.
+/// Steps over a number of candidates. @return whether they lie within the datagram as far as their last string.
+static bool skip_candidates(const uint8_t* data, size_t size, uint32_t count, size_t* at) {
+    for (uint32_t i = 0; i < count; i++) {
+        *at += 1 + 2 * 8;
+        if (!skip_string(data, size, at)) {
+            return false;
+        }
+        *at += 3 * 8;
+    }
+    return true;
+}
+
+/// Steps over a quote_t. @return whether its counts are within their limits, and it within the datagram as far as its last
+/// string.
+static bool skip_quote(const uint8_t* data, size_t size, size_t* at) {
+    if (*at > size || size - *at < 2 * 4) {
+        return false;
+    }
+    const uint32_t num_candidates = read_u32(data + *at), num_front = read_u32(data + *at + 4);
+    if (num_candidates > SSV_MAX_CANDIDATES || num_front > SSV_MAX_FRONT) {
+        return false;
+    }
+    *at += 2 * 4 + 3 * 8 + 1;
+    if (!skip_string(data, size, at)) {
+        return false;
+    }
+    *at += 4 * 8 + (1 + 2 * 8 + 4);
+    return skip_candidates(data, size, num_candidates, at) && skip_candidates(data, size, num_front, at);
+}
+
+// Whether a datagram is what its type hash says, through and through: the generated decoders allocate what the counts and
+// the string lengths say, do not look for the strings' terminators, and forget what they allocated when the datagram ends
+// early. Offsets follow the .lcm files; the type hash vouches for them.
+
 static bool plan_is_decodable(const uint8_t* data, size_t size) {
-    static const uint32_t count_max[4] = {SSV_MAX_CANDIDATES, SSV_MAX_LEGS, SSV_MAX_SEGMENTS, SSV_MAX_EVENTS};
-    const size_t reason_at = 8 + 4 * 4 + 4 * 8 + 1;
-    if (size < reason_at || read_u64(data) != (uint64_t)__lcm_ssv_plan_t_get_hash()) {
+    const size_t counts_end = 8 + 3 * 4;
+    if (size < counts_end || read_u64(data) != (uint64_t)__lcm_ssv_plan_t_get_hash()) {
         return false;
     }
-    for (size_t i = 0; i < 4; i++) {
-        if (read_u32(data + 8 + 4 * i) > count_max[i]) {
-            return false;
-        }
-    }
-    size_t at = reason_at;
-    if (!skip_string(data, size, &at)) {
+    const uint32_t num_legs = read_u32(data + 8), num_segments = read_u32(data + 12), num_events = read_u32(data + 16);
+    size_t at = counts_end;
+    if (num_legs > SSV_MAX_LEGS || num_segments > SSV_MAX_SEGMENTS || num_events > SSV_MAX_EVENTS ||
+        !skip_quote(data, size, &at)) {
         return false;
     }
-    at += 4 * 8 + (1 + 2 * 8 + 4);
-    for (uint32_t i = 0; i < read_u32(data + 8); i++) {
-        at += 1 + 2 * 8;
-        if (!skip_string(data, size, &at)) {
-            return false;
-        }
-        at += 3 * 8;
-    }
-    // What follows has no strings. encoded_size counts the fingerprint, which parts of a message do not have.
-    at += read_u32(data + 12) * ((size_t)lcm_ssv_leg_t_encoded_size(&(lcm_ssv_leg_t){0}) - 8);
-    at += read_u32(data + 16) * ((size_t)lcm_ssv_segment_t_encoded_size(&(lcm_ssv_segment_t){0}) - 8);
-    at += read_u32(data + 20) * ((size_t)lcm_ssv_event_t_encoded_size(&(lcm_ssv_event_t){0}) - 8);
+    // What follows has no strings. encoded_size counts the type hash, which parts of a message do not have.
+    at += 8;
+    at += num_legs * ((size_t)lcm_ssv_leg_t_encoded_size(&(lcm_ssv_leg_t){0}) - 8);
+    at += num_segments * ((size_t)lcm_ssv_segment_t_encoded_size(&(lcm_ssv_segment_t){0}) - 8);
+    at += num_events * ((size_t)lcm_ssv_event_t_encoded_size(&(lcm_ssv_event_t){0}) - 8);
     at += 2 * ((size_t)lcm_ssv_pose_t_encoded_size(&(lcm_ssv_pose_t){0}) - 8);
+    return at == size;
+}
+
+static bool quotes_are_decodable(const uint8_t* data, size_t size, uint32_t num_quotes) {
+    size_t at = 8 + 4 + 2 * 8;
+    if (size < at || read_u64(data) != (uint64_t)__lcm_ssv_quote_batch_t_get_hash() || read_u32(data + 8) != num_quotes) {
+        return false;
+    }
+    for (uint32_t i = 0; i < num_quotes; i++) {
+        if (!skip_quote(data, size, &at)) {
+            return false;
+        }
+    }
     return at == size;
 }
 
@@ -83,14 +121,26 @@ static void plan_received(const lcm_recv_buf_t* datagram, const char* channel, v
     (void)channel;
     wait_t* wait = context;
     const uint8_t* data = datagram->data;
+    const size_t request_id_at = 8 + 5 * 4;
     if (!plan_is_decodable(data, datagram->data_size)) {
         wait->foreign++;
-        return;
+    } else if (!wait->answered && (int64_t)read_u64(data + request_id_at) == wait->request_id) {
+        wait->answered = lcm_ssv_plan_t_decode(data, 0, (int)datagram->data_size, wait->plan) >= 0;
     }
-    if (wait->answered || (int64_t)read_u64(data + 8 + 4 * 4) != wait->request_id) {
-        return;
+}
+
+static void quotes_received(const lcm_recv_buf_t* datagram, const char* channel, void* context) {
+    (void)channel;
+    wait_t* wait = context;
+    const uint8_t* data = datagram->data;
+    const size_t request_id_at = 8 + 4;
+    const bool is_ours = datagram->data_size >= request_id_at + 8 &&
+                         (int64_t)read_u64(data + request_id_at) == wait->request_id;
+    if (is_ours && !wait->answered && quotes_are_decodable(data, datagram->data_size, wait->num_quotes)) {
+        wait->answered = lcm_ssv_quote_batch_t_decode(data, 0, (int)datagram->data_size, wait->quotes) >= 0;
+    } else if (is_ours || datagram->data_size < 8 || read_u64(data) != (uint64_t)__lcm_ssv_quote_batch_t_get_hash()) {
+        wait->foreign++;
     }
-    wait->answered = lcm_ssv_plan_t_decode(data, 0, (int)datagram->data_size, wait->answer) >= 0;
 }
 
 static const char* url_in_use(const char* url) {
@@ -105,8 +155,8 @@ static bool exchange(lcm_t* lcm, const uint8_t* message, unsigned size, double t
     double send_at_s = 0;
     for (double t_s = now_s(); !wait->answered && t_s < deadline_s; t_s = now_s()) {
         if (t_s >= send_at_s) {
-            if (lcm_publish(lcm, "SSV_SCENARIO", message, size) != 0) {
-                snprintf(error, error_size, "LCM cannot send the scenario");
+            if (lcm_publish(lcm, wait->ask_channel, message, size) != 0) {
+                snprintf(error, error_size, "LCM cannot send the question");
                 return false;
             }
             send_at_s = t_s + RESEND_PERIOD_S;
@@ -120,8 +170,9 @@ static bool exchange(lcm_t* lcm, const uint8_t* message, unsigned size, double t
     return true;
 }
 
-bool ask(const char* url, double timeout_s, const lcm_ssv_scenario_t* question, lcm_ssv_plan_t* answer, char* error,
-         size_t error_size) {
+/// Sends the encoded question and waits for its answer. @return false with the error set if there is none.
+static bool ask(const char* url, double timeout_s, const uint8_t* message, unsigned size, lcm_msg_handler_t received,
+                wait_t* wait, char* error, size_t error_size) {
     lcm_t* lcm = lcm_create(url);
     if (lcm == NULL) {
         snprintf(error, error_size,
@@ -129,27 +180,48 @@ bool ask(const char* url, double timeout_s, const lcm_ssv_scenario_t* question, 
                  url_in_use(url));
         return false;
     }
-    wait_t wait = {.request_id = question->request_id, .answer = answer};
-    bool sound = lcm_subscribe(lcm, "SSV_PLAN", plan_received, &wait) != NULL;
-    const int size = lcm_ssv_scenario_t_encoded_size(question);
-    uint8_t* message = malloc((size_t)size);
-    sound = sound && message != NULL && lcm_ssv_scenario_t_encode(message, 0, size, question) == size;
+    bool sound = lcm_subscribe(lcm, wait->answer_channel, received, wait) != NULL;
     if (!sound) {
         snprintf(error, error_size, "cannot set up LCM on %s", url_in_use(url));
     } else {
-        sound = exchange(lcm, message, (unsigned)size, timeout_s, &wait, error, error_size);
+        sound = exchange(lcm, message, size, timeout_s, wait, error, error_size);
     }
-    free(message);
     lcm_destroy(lcm);
-    if (!sound || wait.answered) {
+    if (!sound || wait->answered) {
         return sound;
     }
-    char foreign[128] = "";
-    if (wait.foreign > 0) {
+    char foreign[160] = "";
+    if (wait->foreign > 0) {
         snprintf(foreign, sizeof foreign,
-                 " (%d messages on SSV_PLAN are of another type: is the planner of another version?)", wait.foreign);
+                 " (%d messages on %s are of another type: is the planner of another version?)", wait->foreign,
+                 wait->answer_channel);
     }
-    snprintf(error, error_size, "nobody answered on %s within %g s%s; start ssv-plannerd there, or plan without --lcm",
+    snprintf(error, error_size, "nobody answered on %s within %g s%s; start ssv-plannerd there, or ask without --lcm",
              url_in_use(url), timeout_s, foreign);
     return false;
+}
+
+bool ask_plan(const char* url, double timeout_s, const lcm_ssv_scenario_t* question, lcm_ssv_plan_t* answer, char* error,
+              size_t error_size) {
+    static uint8_t message[1024];
+    wait_t wait = {.ask_channel = "SSV_SCENARIO",
+                   .answer_channel = "SSV_PLAN",
+                   .request_id = question->request_id,
+                   .plan = answer};
+    const int size = lcm_ssv_scenario_t_encode(message, 0, sizeof message, question);
+    assert(size > 0);
+    return ask(url, timeout_s, message, (unsigned)size, plan_received, &wait, error, error_size);
+}
+
+bool ask_quotes(const char* url, double timeout_s, const lcm_ssv_scenario_batch_t* question, lcm_ssv_quote_batch_t* answer,
+                char* error, size_t error_size) {
+    static uint8_t message[1024 * SSV_MAX_BATCH];
+    wait_t wait = {.ask_channel = "SSV_SCENARIO_BATCH",
+                   .answer_channel = "SSV_QUOTE_BATCH",
+                   .request_id = question->request_id,
+                   .quotes = answer,
+                   .num_quotes = (uint32_t)question->num_scenarios};
+    const int size = lcm_ssv_scenario_batch_t_encode(message, 0, sizeof message, question);
+    assert(size > 0);
+    return ask(url, timeout_s, message, (unsigned)size, quotes_received, &wait, error, error_size);
 }

@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plan_command.h"
+#include "commands.h"
 #include "ssv/planner.h"
 
 const char* argp_program_version = "ssv " SSV_VERSION;
@@ -12,12 +12,14 @@ static const struct {
     int (*run)(int argc, char** argv);
 } commands[] = {
     {"plan", plan_command},
+    {"quote", quote_command},
 };
 
 static const char doc[] =
     "Asks the onboard trajectory planner what it costs to fly to a beam and carry it to a hub port, and which thrusts do it."
     "\vCommands:\n"
     "  plan    plan one task, described by a scenario file\n"
+    "  quote   what up to 16 tasks cost, side by side, without their plans\n"
     "\n"
     "`ssv COMMAND --help` tells about a command.";
 
@@ -34,7 +36,7 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
         (void)argument;
         return 0;
     case ARGP_KEY_NO_ARGS:
-        argp_error(state, "which command? There is: plan");
+        argp_error(state, "which command? There are: plan, quote");
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -52,6 +54,7 @@ int main(int argc, char** argv) {
             return commands[i].run(argc - arguments.command_at, rest);
         }
     }
-    fprintf(stderr, "ssv: there is no command '%s'. There is: plan\nTry `ssv --help' for more information.\n", rest[0]);
+    fprintf(stderr, "ssv: there is no command '%s'. There are: plan, quote\nTry `ssv --help' for more information.\n",
+            rest[0]);
     return EXIT_USAGE;
 }

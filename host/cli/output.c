@@ -5,7 +5,6 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -85,4 +84,18 @@ bool output_write(const char* path, const char* text, size_t size) {
     sigprocmask(SIG_SETMASK, &before, NULL);
     free(target);
     return done;
+}
+
+bool output_report(const char* path, bool (*report)(FILE* out, const void* content), const void* content) {
+    char* text = NULL;
+    size_t size = 0;
+    FILE* memory = open_memstream(&text, &size);
+    bool complete = memory != NULL && report(memory, content);
+    complete = memory != NULL && fclose(memory) == 0 && complete;
+    if (!complete) {
+        fprintf(stderr, "ssv: the answer holds a number that is not finite, or memory ran out\n");
+    }
+    const bool written = complete && (size == 0 || output_write(path, text, size));
+    free(text);
+    return written;
 }

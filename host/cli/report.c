@@ -107,7 +107,7 @@ static json_t* beam_json(const lcm_ssv_beam_t* beam) {
 static json_t* question_json(const lcm_ssv_scenario_t* question) {
     const lcm_ssv_options_t* options = &question->options;
     return json_pack(
-        "{s:I, s:I, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:i, s:f, s:{s:f, s:f}, s:o, s:o, s:s, s:s}",
+        "{s:I, s:I, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:i, s:f, s:{s:f, s:f}, s:o, s:o, s:s, s:s, s:b, s:b}",
         "request_id", (json_int_t)question->request_id, "epoch_us", (json_int_t)question->epoch_us,
         "vehicle", vehicle_json(&question->vehicle), "beam", beam_json(&question->beam),
         "X_IS", pose_json("p_IS_m", "q_IS", &question->X_IS), "X_IB", pose_json("p_IB_m", "q_IB", &question->X_IB),
@@ -116,13 +116,14 @@ static json_t* question_json(const lcm_ssv_scenario_t* question) {
         "weights", "time", question->weight_time_per_s, "impulse", question->weight_impulse_per_Ns,
         "attach_heights_m", vector_json(options->attach_heights_m, options->num_attach_heights),
         "ring_angle_rad", options->ring_angle_given ? json_real(options->ring_angle_rad) : json_null(),
-        "method", NAME(scenario_methods, options->method), "effort", NAME(scenario_efforts, options->effort));
+        "method", NAME(scenario_methods, options->method), "effort", NAME(scenario_efforts, options->effort),
+        "want_candidates", options->want_candidates != 0, "want_front", options->want_front != 0);
 }
 
-static json_t* candidates_json(const lcm_ssv_plan_t* answer) {
+static json_t* candidates_json(const lcm_ssv_candidate_t* candidates, int count) {
     json_t* array = json_array();
-    for (int i = 0; i < answer->num_candidates; i++) {
-        const lcm_ssv_candidate_t* candidate = &answer->candidates[i];
+    for (int i = 0; i < count; i++) {
+        const lcm_ssv_candidate_t* candidate = &candidates[i];
         json_t* json = json_pack("{s:i, s:f, s:f, s:o, s:f, s:f, s:f}",
                                  "beam_contact", candidate->contact,
                                  "attach_height_m", candidate->attach_height_m,
@@ -136,27 +137,43 @@ static json_t* candidates_json(const lcm_ssv_plan_t* answer) {
     return array;
 }
 
-static void phase_sums(const lcm_ssv_plan_t* answer, int8_t phase, double* time_s, double* impulse_Ns) {
+static json_t* front_json(const lcm_ssv_quote_t* quote) {
+    json_t* array = json_array();
+    for (int i = 0; i < quote->num_front; i++) {
+        const lcm_ssv_candidate_t* point = &quote->front[i];
+        json_t* json = json_pack("{s:f, s:f, s:f, s:i, s:f, s:f}",
+                                 "time_s", point->time_s,
+                                 "impulse_Ns", point->impulse_Ns,
+                                 "J", point->cost,
+                                 "beam_contact", point->contact,
+                                 "attach_height_m", point->attach_height_m,
+                                 "ring_angle_rad", point->ring_angle_rad);
+        append(&array, json);
+    }
+    return array;
+}
+
+static void phase_sums(const lcm_ssv_plan_t* plan, int8_t phase, double* time_s, double* impulse_Ns) {
     *time_s = 0;
     *impulse_Ns = 0;
-    for (int i = 0; i < answer->num_legs; i++) {
-        if (answer->legs[i].phase == phase) {
-            *time_s += answer->legs[i].duration_s;
-            *impulse_Ns += answer->legs[i].impulse_Ns;
+    for (int i = 0; i < plan->num_legs; i++) {
+        if (plan->legs[i].phase == phase) {
+            *time_s += plan->legs[i].duration_s;
+            *impulse_Ns += plan->legs[i].impulse_Ns;
         }
     }
 }
 
-static json_t* phase_json(const lcm_ssv_plan_t* answer, int8_t phase) {
+static json_t* phase_json(const lcm_ssv_plan_t* plan, int8_t phase) {
     double time_s = 0, impulse_Ns = 0;
-    phase_sums(answer, phase, &time_s, &impulse_Ns);
+    phase_sums(plan, phase, &time_s, &impulse_Ns);
     return json_pack("{s:s, s:f, s:f}", "name", phase_names[phase], "time_s", time_s, "impulse_Ns", impulse_Ns);
 }
 
-static json_t* legs_json(const lcm_ssv_plan_t* answer) {
+static json_t* legs_json(const lcm_ssv_plan_t* plan) {
     json_t* array = json_array();
-    for (int i = 0; i < answer->num_legs; i++) {
-        const lcm_ssv_leg_t* leg = &answer->legs[i];
+    for (int i = 0; i < plan->num_legs; i++) {
+        const lcm_ssv_leg_t* leg = &plan->legs[i];
         json_t* json = json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:o, s:o}",
                                  "phase", NAME(phase_names, leg->phase),
                                  "kind", NAME(kind_names, leg->kind),
@@ -172,10 +189,10 @@ static json_t* legs_json(const lcm_ssv_plan_t* answer) {
     return array;
 }
 
-static json_t* segments_json(const lcm_ssv_plan_t* answer) {
+static json_t* segments_json(const lcm_ssv_plan_t* plan) {
     json_t* array = json_array();
-    for (int i = 0; i < answer->num_segments; i++) {
-        const lcm_ssv_segment_t* segment = &answer->segments[i];
+    for (int i = 0; i < plan->num_segments; i++) {
+        const lcm_ssv_segment_t* segment = &plan->segments[i];
         json_t* json = json_pack("{s:f, s:f, s:o, s:o, s:i}",
                                  "t_s", segment->t_s,
                                  "duration_s", segment->duration_s,
@@ -187,121 +204,239 @@ static json_t* segments_json(const lcm_ssv_plan_t* answer) {
     return array;
 }
 
-static json_t* events_json(const lcm_ssv_plan_t* answer) {
+static json_t* events_json(const lcm_ssv_plan_t* plan) {
     json_t* array = json_array();
-    for (int i = 0; i < answer->num_events; i++) {
+    for (int i = 0; i < plan->num_events; i++) {
         json_t* json =
-            json_pack("{s:f, s:s}", "t_s", answer->events[i].t_s, "kind", NAME(event_names, answer->events[i].kind));
+            json_pack("{s:f, s:s}", "t_s", plan->events[i].t_s, "kind", NAME(event_names, plan->events[i].kind));
         append(&array, json);
     }
     return array;
 }
 
-/// What an answer says beside its status and reason: all of it for a plan, the question and the candidates without one.
-static json_t* content_json(const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer) {
-    if (answer->status != LCM_SSV_PLAN_T_STATUS_OK) {
-        return json_pack("{s:I, s:o, s:o, s:o}", "request_id", (json_int_t)answer->request_id, "candidates",
-                         candidates_json(answer), "scenario_hash", hash_json(answer->scenario_hash), "scenario",
-                         question_json(question));
+/// Moves the keys of one object to the end of another, which becomes NULL if either is.
+static void extend(json_t** object, json_t* more) {
+    if (json_object_update(*object, more) != 0) {
+        json_decref(*object);
+        *object = NULL;
     }
-    return json_pack(
-        "{s:I, s:{s:f, s:f, s:f, s:f}, s:{s:i, s:f, s:f, s:i}, s:o, s:[o, o], s:o, s:{s:o}, s:o, s:{s:o, s:o}, s:o, s:o, "
-        "s:o}",
-        "request_id", (json_int_t)answer->request_id,
-        "cost", "J", answer->cost, "J_lower_bound", answer->cost_lower_bound, "time_s", answer->time_s,
-        "impulse_Ns", answer->impulse_Ns,
-        "choice", "beam_contact", answer->choice.contact, "attach_height_m", answer->choice.attach_height_m,
-        "ring_angle_rad", answer->choice.ring_angle_rad, "candidates", (int)answer->choice.candidates,
-        "candidates", candidates_json(answer),
-        "phases", phase_json(answer, LCM_SSV_LEG_T_PHASE_TRANSIT), phase_json(answer, LCM_SSV_LEG_T_PHASE_TRANSFER),
-        "legs", legs_json(answer), "timeline", "segments", segments_json(answer), "events", events_json(answer),
-        "final", "vehicle", pose_json("p_IS_m", "q_IS", &answer->X_IS_final),
-        "beam", pose_json("p_IB_m", "q_IB", &answer->X_IB_final),
-        "scenario_hash", hash_json(answer->scenario_hash), "plan_hash", hash_json(answer->plan_hash),
-        "scenario", question_json(question));
+    json_decref(more);
 }
 
-bool report_json(FILE* out, const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer) {
+/// What a quote says by itself; nothing but status and reason where the question is refused.
+static json_t* quote_json(const lcm_ssv_quote_t* quote) {
     json_t* json =
-        json_pack("{s:s, s:o}", "status", NAME(status_names, answer->status), "reason", text_json(answer->reason));
-    bool complete = json != NULL;
-    if (answer->status != LCM_SSV_PLAN_T_STATUS_INVALID) {
-        json_t* content = content_json(question, answer);
-        complete = complete && content != NULL && json_object_update(json, content) == 0;
-        json_decref(content);
+        json_pack("{s:s, s:o}", "status", NAME(status_names, quote->status), "reason", text_json(quote->reason));
+    if (quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID) {
+        return json;
     }
-    complete = complete && json_dumpf(json, out, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) == 0 && fputc('\n', out) != EOF;
+    extend(&json, json_pack("{s:I}", "request_id", (json_int_t)quote->request_id));
+    if (quote->status == LCM_SSV_QUOTE_T_STATUS_OK) {
+        extend(&json, json_pack("{s:{s:f, s:f, s:f, s:f}, s:{s:i, s:f, s:f, s:i}}",
+                                "cost", "J", quote->cost, "J_lower_bound", quote->cost_lower_bound, "time_s", quote->time_s,
+                                "impulse_Ns", quote->impulse_Ns,
+                                "choice", "beam_contact", quote->choice.contact,
+                                "attach_height_m", quote->choice.attach_height_m,
+                                "ring_angle_rad", quote->choice.ring_angle_rad,
+                                "candidates", (int)quote->choice.candidates));
+    }
+    if (quote->num_candidates > 0) {
+        extend(&json, json_pack("{s:o}", "candidates", candidates_json(quote->candidates, quote->num_candidates)));
+    }
+    if (quote->num_front > 0) {
+        extend(&json, json_pack("{s:o}", "front", front_json(quote)));
+    }
+    return json;
+}
+
+static json_t* motion_json(const lcm_ssv_plan_t* plan) {
+    return json_pack("{s:[o, o], s:o, s:{s:o}, s:o, s:{s:o, s:o}}",
+                     "phases", phase_json(plan, LCM_SSV_LEG_T_PHASE_TRANSIT), phase_json(plan, LCM_SSV_LEG_T_PHASE_TRANSFER),
+                     "legs", legs_json(plan), "timeline", "segments", segments_json(plan), "events", events_json(plan),
+                     "final", "vehicle", pose_json("p_IS_m", "q_IS", &plan->X_IS_final),
+                     "beam", pose_json("p_IB_m", "q_IB", &plan->X_IB_final));
+}
+
+/// Writes the object and frees it.
+static bool write_json(FILE* out, json_t* json) {
+    const bool complete =
+        json != NULL && json_dumpf(json, out, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) == 0 && fputc('\n', out) != EOF;
     json_decref(json);
     return complete;
 }
 
-static void candidates_table(FILE* out, const lcm_ssv_plan_t* answer) {
+bool report_plan_json(FILE* out, const void* report) {
+    const lcm_ssv_plan_t* plan = ((const report_plan_t*)report)->plan;
+    const lcm_ssv_quote_t* quote = &plan->quote;
+    json_t* json = quote_json(quote);
+    if (quote->status == LCM_SSV_QUOTE_T_STATUS_OK) {
+        extend(&json, motion_json(plan));
+    }
+    if (quote->status != LCM_SSV_QUOTE_T_STATUS_INVALID) {
+        extend(&json, json_pack("{s:o}", "scenario_hash", hash_json(quote->scenario_hash)));
+    }
+    if (quote->status == LCM_SSV_QUOTE_T_STATUS_OK) {
+        extend(&json, json_pack("{s:o}", "plan_hash", hash_json(plan->plan_hash)));
+    }
+    if (quote->status != LCM_SSV_QUOTE_T_STATUS_INVALID) {
+        extend(&json, json_pack("{s:o}", "scenario", question_json(((const report_plan_t*)report)->question)));
+    }
+    return write_json(out, json);
+}
+
+bool report_quotes_json(FILE* out, const void* report) {
+    const report_quotes_t* quotes = report;
+    json_t* array = json_array();
+    for (int i = 0; i < quotes->count; i++) {
+        const report_quote_t* row = &quotes->row[i];
+        json_t* json = json_pack("{s:o}", "file", text_json(row->path));
+        extend(&json, quote_json(row->quote));
+        if (row->quote->status != LCM_SSV_QUOTE_T_STATUS_INVALID) {
+            extend(&json, json_pack("{s:o, s:o}", "scenario_hash", hash_json(row->quote->scenario_hash), "scenario",
+                                    question_json(row->question)));
+        }
+        append(&array, json);
+    }
+    return write_json(out, json_pack("{s:o}", "quotes", array));
+}
+
+static void candidates_table(FILE* out, const lcm_ssv_quote_t* quote) {
     fprintf(out, "  %7s %9s %8s %11s %12s %12s\n", "contact", "height m", "ring deg", "time s", "impulse N s", "J");
-    for (int i = 0; i < answer->num_candidates; i++) {
-        const lcm_ssv_candidate_t* candidate = &answer->candidates[i];
+    for (int i = 0; i < quote->num_candidates; i++) {
+        const lcm_ssv_candidate_t* candidate = &quote->candidates[i];
         fprintf(out, "  %7d %+9.4f", candidate->contact, candidate->attach_height_m);
         if (candidate->reason[0] != '\0') {
             fprintf(out, " %8s not feasible: %s\n", "", candidate->reason);
             continue;
         }
-        const bool chosen = answer->status == LCM_SSV_PLAN_T_STATUS_OK && candidate->contact == answer->choice.contact &&
-                            candidate->attach_height_m == answer->choice.attach_height_m;
+        const bool chosen = quote->status == LCM_SSV_QUOTE_T_STATUS_OK && candidate->contact == quote->choice.contact &&
+                            candidate->attach_height_m == quote->choice.attach_height_m;
         fprintf(out, " %+8.1f %11.3f %12.3f %12.3f%s\n", candidate->ring_angle_rad * DEG_PER_RAD, candidate->time_s,
                 candidate->impulse_Ns, candidate->cost, chosen ? "  chosen" : "");
     }
 }
 
-static void legs_table(FILE* out, const lcm_ssv_plan_t* answer) {
+static void front_table(FILE* out, const lcm_ssv_quote_t* quote) {
+    fprintf(out, "  %11s %12s %12s %7s %9s %8s\n", "time s", "impulse N s", "J", "contact", "height m", "ring deg");
+    for (int i = 0; i < quote->num_front; i++) {
+        const lcm_ssv_candidate_t* point = &quote->front[i];
+        fprintf(out, "  %11.3f %12.3f %12.3f %7d %+9.4f %+8.1f\n", point->time_s, point->impulse_Ns, point->cost,
+                point->contact, point->attach_height_m, point->ring_angle_rad * DEG_PER_RAD);
+    }
+}
+
+/// The tables that a quote comes with on request, each with an empty line before it.
+static void detail_tables(FILE* out, const lcm_ssv_quote_t* quote) {
+    if (quote->num_candidates > 0) {
+        fprintf(out, "\n  Candidates:\n");
+        candidates_table(out, quote);
+    }
+    if (quote->num_front > 0) {
+        fprintf(out, "\n  What time and impulse can be traded for:\n");
+        front_table(out, quote);
+    }
+}
+
+static void legs_table(FILE* out, const lcm_ssv_plan_t* plan) {
     fprintf(out, "  %-10s %-10s %-13s %11s %11s %12s %13s\n", "phase", "leg", "ramp", "start s", "time s", "impulse N s",
             "peak speed");
-    for (int i = 0; i < answer->num_legs; i++) {
-        const lcm_ssv_leg_t* leg = &answer->legs[i];
+    for (int i = 0; i < plan->num_legs; i++) {
+        const lcm_ssv_leg_t* leg = &plan->legs[i];
         fprintf(out, "  %-10s %-10s %-13s %11.3f %11.3f %12.3f %7.4f %s\n", NAME(phase_names, leg->phase),
                 NAME(kind_names, leg->kind), NAME(ramp_names, leg->ramp), leg->t_start_s, leg->duration_s, leg->impulse_Ns,
                 leg->peak_speed, leg->kind == LCM_SSV_LEG_T_KIND_TRANSLATE ? "m/s" : "rad/s");
     }
     for (int8_t phase = LCM_SSV_LEG_T_PHASE_TRANSIT; phase <= LCM_SSV_LEG_T_PHASE_TRANSFER; phase++) {
         double time_s = 0, impulse_Ns = 0;
-        phase_sums(answer, phase, &time_s, &impulse_Ns);
+        phase_sums(plan, phase, &time_s, &impulse_Ns);
         fprintf(out, "  %-10s %-10s %-13s %11s %11.3f %12.3f\n", phase_names[phase], "in all", "", "", time_s, impulse_Ns);
     }
 }
 
 /// The best possible plan costs no less than the bound, so the plan's distance from the bound is the most it can be off.
-static void bound_line(FILE* out, const lcm_ssv_plan_t* answer) {
-    fprintf(out, "No plan of any kind costs less than %.3f", answer->cost_lower_bound);
-    if (answer->cost_lower_bound > 0) {
-        fprintf(out, ": this one is at most %.1f %% above the best possible",
-                100 * (answer->cost / answer->cost_lower_bound - 1));
+static double gap_percent(const lcm_ssv_quote_t* quote) { return 100 * (quote->cost / quote->cost_lower_bound - 1); }
+
+static void bound_line(FILE* out, const lcm_ssv_quote_t* quote) {
+    fprintf(out, "No plan of any kind costs less than %.3f", quote->cost_lower_bound);
+    if (quote->cost_lower_bound > 0) {
+        fprintf(out, ": this one is at most %.1f %% above the best possible", gap_percent(quote));
     }
     fputc('\n', out);
 }
 
-void report_table(FILE* out, const char* title, const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer) {
-    if (answer->status == LCM_SSV_PLAN_T_STATUS_INVALID) {
-        return;
+static const char* base_name(const char* path) {
+    const char* const slash = strrchr(path, '/');
+    return slash == NULL ? path : slash + 1;
+}
+
+bool report_plan_table(FILE* out, const void* report) {
+    const char* const title = base_name(((const report_plan_t*)report)->path);
+    const lcm_ssv_scenario_t* question = ((const report_plan_t*)report)->question;
+    const lcm_ssv_plan_t* plan = ((const report_plan_t*)report)->plan;
+    const lcm_ssv_quote_t* quote = &plan->quote;
+    if (quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID) {
+        return true;
     }
-    if (answer->status == LCM_SSV_PLAN_T_STATUS_INFEASIBLE) {
-        fprintf(out, "%s: no plan\n\n", title);
-        candidates_table(out, answer);
-        return;
+    if (quote->status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE) {
+        fprintf(out, "%s: no plan\n", title);
+        detail_tables(out, quote);
+        return true;
     }
     const bool is_optimal = question->options.method == LCM_SSV_OPTIONS_T_METHOD_OPTIMAL;
     fprintf(out, "%s: J = %.9g /s x %.3f s + %.9g /(N s) x %.3f N s = %.3f\n", title, question->weight_time_per_s,
-            answer->time_s, question->weight_impulse_per_Ns, answer->impulse_Ns, answer->cost);
-    bound_line(out, answer);
+            quote->time_s, question->weight_impulse_per_Ns, quote->impulse_Ns, quote->cost);
+    bound_line(out, quote);
+    fprintf(out, "Mates at height %+.4f m, ring angle %+.1f deg; contact %d docks\n", quote->choice.attach_height_m,
+            quote->choice.ring_angle_rad * DEG_PER_RAD, quote->choice.contact);
+    detail_tables(out, quote);
     fputc('\n', out);
-    candidates_table(out, answer);
+    legs_table(out, plan);
     fputc('\n', out);
-    legs_table(out, answer);
-    fputc('\n', out);
-    for (int i = 0; i < answer->num_events; i++) {
-        fprintf(out, "  %s at %.3f s\n", NAME(event_names, answer->events[i].kind), answer->events[i].t_s);
+    for (int i = 0; i < plan->num_events; i++) {
+        fprintf(out, "  %s at %.3f s\n", NAME(event_names, plan->events[i].kind), plan->events[i].t_s);
     }
     fprintf(out, "  method %s%s%s\n", NAME(scenario_methods, question->options.method), is_optimal ? ", effort " : "",
             is_optimal ? NAME(scenario_efforts, question->options.effort) : "");
-    fprintf(out, "  %d combinations priced, %d timeline segments, %d bytes on the wire\n", (int)answer->choice.candidates,
-            answer->num_segments, lcm_ssv_plan_t_encoded_size(answer));
-    fprintf(out, "  scenario %016" PRIx64 ", plan %016" PRIx64 "\n", (uint64_t)answer->scenario_hash,
-            (uint64_t)answer->plan_hash);
+    fprintf(out, "  %d combinations priced, %d timeline segments, %d bytes on the wire\n", (int)quote->choice.candidates,
+            plan->num_segments, lcm_ssv_plan_t_encoded_size(plan));
+    fprintf(out, "  scenario %016" PRIx64 ", plan %016" PRIx64 "\n", (uint64_t)quote->scenario_hash,
+            (uint64_t)plan->plan_hash);
+    return true;
+}
+
+static void quote_row(FILE* out, int path_width, const char* path, const lcm_ssv_quote_t* quote) {
+    fprintf(out, "%-*s", path_width, path);
+    if (quote->status != LCM_SSV_QUOTE_T_STATUS_OK) {
+        fprintf(out, "  %s\n", quote->status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE ? "no feasible candidate" : "refused");
+        return;
+    }
+    fprintf(out, " %11.3f %10.3f %11.3f %11.3f", quote->cost, quote->time_s, quote->impulse_Ns, quote->cost_lower_bound);
+    if (quote->cost_lower_bound > 0) {
+        fprintf(out, " %6.1f", gap_percent(quote));
+    } else {
+        fprintf(out, " %6s", "-");
+    }
+    fprintf(out, " %7d %+9.4f\n", quote->choice.contact, quote->choice.attach_height_m);
+}
+
+bool report_quotes_table(FILE* out, const void* report) {
+    const report_quotes_t* quotes = report;
+    int width = (int)strlen("scenario");
+    for (int i = 0; i < quotes->count; i++) {
+        const int length = (int)strlen(quotes->row[i].path);
+        width = length > width ? length : width;
+    }
+    fprintf(out, "%-*s %11s %10s %11s %11s %6s %7s %9s\n", width, "scenario", "J", "time s", "impulse N s", "lower bound",
+            "gap %", "contact", "height m");
+    for (int i = 0; i < quotes->count; i++) {
+        quote_row(out, width, quotes->row[i].path, quotes->row[i].quote);
+    }
+    for (int i = 0; i < quotes->count; i++) {
+        const lcm_ssv_quote_t* quote = quotes->row[i].quote;
+        if (quote->num_candidates > 0 || quote->num_front > 0) {
+            fprintf(out, "\n%s\n", quotes->row[i].path);
+            detail_tables(out, quote);
+        }
+    }
+    return true;
 }

@@ -1,4 +1,4 @@
-/// Shows an answer of the planner: JSON for programs, a table for people. Both are the same for an answer planned in process
+/// Shows answers of the planner: JSON for programs, tables for people. Both are the same for an answer computed in process
 /// and one that came over LCM.
 #ifndef SSV_REPORT_H
 #define SSV_REPORT_H
@@ -8,13 +8,38 @@
 
 #include "lcm_ssv_plan_t.h"
 #include "lcm_ssv_scenario_t.h"
+#include "ssv/answer.h"
 
-/// Writes the answer and the question as one JSON object; numbers have 17 digits, so reading them gives the same doubles.
-/// An answer with STATUS_INVALID is shown by its status and reason alone.
+/// A plan, the question that it answers, and the file that this came from.
+typedef struct {
+    const char* path;
+    const lcm_ssv_scenario_t* question;
+    const lcm_ssv_plan_t* plan;
+} report_plan_t;
+
+typedef struct {
+    const char* path;
+    const lcm_ssv_scenario_t* question;
+    const lcm_ssv_quote_t* quote;
+} report_quote_t;
+
+/// One row for each file.
+typedef struct {
+    int count;
+    report_quote_t row[SSV_MAX_BATCH];
+} report_quotes_t;
+
+// Each takes a report_plan_t or a report_quotes_t.
+
+/// Writes one JSON object; numbers have 17 digits, so reading them gives the same doubles. An answer with STATUS_INVALID is
+/// shown by its status and reason alone, with the question otherwise.
 /// @return false if the answer holds a number that is not finite, which JSON has no word for, or out of memory.
-bool report_json(FILE* out, const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer);
+bool report_plan_json(FILE* out, const void* plan);
+bool report_quotes_json(FILE* out, const void* quotes);
 
-/// Writes the answer as tables at most 120 columns wide; `title` heads them. Nothing for STATUS_INVALID.
-void report_table(FILE* out, const char* title, const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer);
+/// Writes tables at most 120 columns wide, those of quotes if no path is longer than 47. A plan with STATUS_INVALID has
+/// none. @return true.
+bool report_plan_table(FILE* out, const void* plan);
+bool report_quotes_table(FILE* out, const void* quotes);
 
 #endif

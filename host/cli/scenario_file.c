@@ -105,6 +105,8 @@ typedef struct {
     char* ring_angle_rad;
     char* method;
     char* effort;
+    char* candidates;
+    char* front;
 } scenario_text_t;
 
 #define REQUIRED CYAML_FLAG_DEFAULT
@@ -214,6 +216,8 @@ static const cyaml_schema_field_t scenario_fields[] = {
     SCALAR(OPTIONAL, scenario_text_t, ring_angle_rad),
     SCALAR(OPTIONAL, scenario_text_t, method),
     SCALAR(OPTIONAL, scenario_text_t, effort),
+    SCALAR(OPTIONAL, scenario_text_t, candidates),
+    SCALAR(OPTIONAL, scenario_text_t, front),
     CYAML_FIELD_END,
 };
 static const cyaml_schema_value_t scenario_schema = {
@@ -571,6 +575,7 @@ static void hub_convert(error_t* scenario_error, error_t* model_error, const hub
 
 static void scenario_convert(error_t* error, const scenario_text_t* text, lcm_ssv_scenario_t* scenario) {
     static const char* const contacts[3] = {"either", "1", "2"};
+    static const char* const booleans[2] = {"false", "true"};
     numbers(error, "vehicle.", "p_IS_m", text->vehicle.p_IS_m, 3, scenario->X_IS.p_m);
     numbers(error, "vehicle.", "q_IS", text->vehicle.q_IS, 4, scenario->X_IS.q);
     numbers(error, "beam.", "p_IB_m", text->beam.p_IB_m, 3, scenario->X_IB.p_m);
@@ -593,6 +598,9 @@ static void scenario_convert(error_t* error, const scenario_text_t* text, lcm_ss
     const char* const effort = text->effort == NULL ? SCENARIO_EFFORT_DEFAULT : text->effort;
     scenario->options.method = one_of(error, "method", method, scenario_methods, 2);
     scenario->options.effort = one_of(error, "effort", effort, scenario_efforts, 2);
+    scenario->options.want_candidates =
+        text->candidates != NULL && one_of(error, "candidates", text->candidates, booleans, 2) == 1;
+    scenario->options.want_front = text->front != NULL && one_of(error, "front", text->front, booleans, 2) == 1;
 }
 
 static int is_model_file(const struct dirent* entry) {

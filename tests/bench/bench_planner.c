@@ -88,9 +88,9 @@ static double calibrate_ms(void) {
 static void on_plan(const lcm_recv_buf_t* datagram, const char* channel, void* user) {
     (void)channel;
     link_t* link = user;
-    const uint8_t* id = (const uint8_t*)datagram->data + 24; // after the type hash and the four counts
+    const uint8_t* id = (const uint8_t*)datagram->data + 28; // after the type hash and the five counts
     uint64_t value = 0;
-    for (int i = 0; datagram->data_size >= 32 && i < 8; i++) {
+    for (int i = 0; datagram->data_size >= 36 && i < 8; i++) {
         value = value << 8 | id[i];
     }
     link->last_answered = (int64_t)value;
@@ -188,13 +188,13 @@ static void measure(row_t* row, link_t* link) {
     const double start = now_ms();
     ssv_answer(&row->question, &answer);
     add(&row->in_process_ms, now_ms() - start);
-    if (answer.wire.status != LCM_SSV_PLAN_T_STATUS_OK) {
-        give_up(answer.wire.reason);
+    if (answer.wire.quote.status != LCM_SSV_QUOTE_T_STATUS_OK) {
+        give_up(answer.wire.quote.reason);
     }
     row->segments = answer.wire.num_segments;
     row->bytes = lcm_ssv_plan_t_encoded_size(&answer.wire);
-    row->cost = answer.wire.cost;
-    row->bound_over_cost = answer.wire.cost_lower_bound / answer.wire.cost;
+    row->cost = answer.wire.quote.cost;
+    row->bound_over_cost = answer.wire.quote.cost_lower_bound / answer.wire.quote.cost;
     add(&row->over_lcm_ms, round_trip_ms(link, &row->question));
     add(&row->bound_ns, bound_ns(&row->problem));
     row->question.request_id++;

@@ -1,5 +1,5 @@
-// libFuzzer target: the bytes of a scenario_t as they may come from anyone, decoded and answered as the daemon does it.
-// Whatever they are, the answer must be sound.
+// libFuzzer target: the bytes of a scenario_t or a scenario_batch_t as they may come from anyone, decoded and answered as
+// the daemon does it. Whatever they are, the answer must be sound.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,40 +15,77 @@
         }                                                                                                                \
     } while (0)
 
-#define ANSWER_BYTES_MAX 24576 // as much as the daemon stores
-
 static bool is_price(double x) { return isfinite(x) && x >= 0; }
 
 static bool is_near(double a, double b) { return fabs(a - b) <= 1e-9 * (fabs(a) + fabs(b)) + 1e-9; }
 
-static void check_candidates(const lcm_ssv_plan_t* plan) {
-    CHECK(plan->num_candidates >= 1 && plan->num_candidates <= SSV_MAX_CANDIDATES);
-    for (int i = 0; i < plan->num_candidates; i++) {
-        const lcm_ssv_candidate_t* candidate = &plan->candidates[i];
+/// Every price, with the sums that it is made of.
+static void check_price(const lcm_ssv_scenario_t* question, double time_s, double impulse_Ns, double cost) {
+    CHECK(is_price(time_s) && is_price(impulse_Ns) && is_price(cost));
+    CHECK(is_near(cost, question->weight_time_per_s * time_s + question->weight_impulse_per_Ns * impulse_Ns));
+}
+
+static void check_candidates(const lcm_ssv_scenario_t* question, const lcm_ssv_quote_t* quote) {
+    const bool is_ok = quote->status == LCM_SSV_QUOTE_T_STATUS_OK;
+    CHECK(quote->num_candidates >= 0 && quote->num_candidates <= SSV_MAX_CANDIDATES);
+    CHECK((quote->num_candidates > 0) == (!is_ok || question->options.want_candidates != 0));
+    for (int i = 0; i < quote->num_candidates; i++) {
+        const lcm_ssv_candidate_t* candidate = &quote->candidates[i];
         CHECK(candidate->contact == 1 || candidate->contact == 2);
-        CHECK(is_price(candidate->time_s) && is_price(candidate->impulse_Ns) && is_price(candidate->cost));
+        check_price(question, candidate->time_s, candidate->impulse_Ns, candidate->cost);
         const bool feasible = candidate->reason[0] == '\0';
-        CHECK(!feasible || plan->status == LCM_SSV_PLAN_T_STATUS_OK);
-        CHECK(!feasible || plan->cost <= candidate->cost || is_near(plan->cost, candidate->cost)); // sums in another order
+        CHECK(strlen(candidate->reason) < SSV_CANDIDATE_REASON_SIZE);
+        CHECK(!feasible || is_ok);
+        CHECK(!feasible || quote->cost <= candidate->cost || is_near(quote->cost, candidate->cost)); // sums in another order
+    }
+}
+
+static void check_front(const lcm_ssv_scenario_t* question, const lcm_ssv_quote_t* quote) {
+    const bool wanted = quote->status == LCM_SSV_QUOTE_T_STATUS_OK && question->options.want_front != 0;
+    CHECK(quote->num_front >= 0 && quote->num_front <= SSV_MAX_FRONT);
+    CHECK((quote->num_front > 0) == wanted);
+    for (int i = 0; i < quote->num_front; i++) {
+        const lcm_ssv_candidate_t* point = &quote->front[i];
+        CHECK(point->reason[0] == '\0');
+        check_price(question, point->time_s, point->impulse_Ns, point->cost);
+        CHECK(i == 0 || (quote->front[i - 1].time_s < point->time_s && quote->front[i - 1].impulse_Ns > point->impulse_Ns));
+    }
+}
+
+static void check_quote(const lcm_ssv_scenario_t* question, const lcm_ssv_quote_t* quote) {
+    CHECK((quote->status == LCM_SSV_QUOTE_T_STATUS_OK) == (quote->reason[0] == '\0'));
+    CHECK(strlen(quote->reason) < SSV_REASON_SIZE - 1); // none is cut
+    const lcm_ssv_options_t* options = &question->options;
+    const bool is_method =
+        options->method == LCM_SSV_OPTIONS_T_METHOD_OPTIMAL || options->method == LCM_SSV_OPTIONS_T_METHOD_PAPER;
+    const bool is_effort =
+        options->effort == LCM_SSV_OPTIONS_T_EFFORT_QUICK || options->effort == LCM_SSV_OPTIONS_T_EFFORT_BEST;
+    CHECK((is_method && is_effort) || quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID);
+    if (quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID) {
+        CHECK(quote->num_candidates == 0 && quote->num_front == 0);
+        return;
+    }
+    check_candidates(question, quote);
+    check_front(question, quote);
+    if (quote->status == LCM_SSV_QUOTE_T_STATUS_OK) {
+        check_price(question, quote->time_s, quote->impulse_Ns, quote->cost);
+        CHECK(is_price(quote->cost_lower_bound) && quote->cost_lower_bound <= quote->cost * (1 + 1e-12));
+        CHECK(question->contact == 0 || quote->choice.contact == question->contact);
     }
 }
 
 static void check_motion(const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* plan) {
+    const lcm_ssv_quote_t* quote = &plan->quote;
     CHECK(plan->num_legs >= 0 && plan->num_legs <= SSV_MAX_LEGS);
     CHECK(plan->num_segments >= 0 && plan->num_segments <= SSV_MAX_SEGMENTS);
     CHECK(plan->num_events == SSV_MAX_EVENTS);
-    CHECK(is_price(plan->time_s) && is_price(plan->impulse_Ns) && is_price(plan->cost));
-    const double cost = question->weight_time_per_s * plan->time_s + question->weight_impulse_per_Ns * plan->impulse_Ns;
-    CHECK(is_near(plan->cost, cost));
-    CHECK(is_price(plan->cost_lower_bound) && plan->cost_lower_bound <= plan->cost * (1 + 1e-12));
-    CHECK(question->contact == 0 || plan->choice.contact == question->contact);
     double time_s = 0, impulse_Ns = 0;
     for (int i = 0; i < plan->num_legs; i++) {
         CHECK(is_near(plan->legs[i].t_start_s, time_s));
         time_s += plan->legs[i].duration_s;
         impulse_Ns += plan->legs[i].impulse_Ns;
     }
-    CHECK(is_near(time_s, plan->time_s) && is_near(impulse_Ns, plan->impulse_Ns));
+    CHECK(is_near(time_s, quote->time_s) && is_near(impulse_Ns, quote->impulse_Ns));
 
     double end_s = 0;
     for (int i = 0; i < plan->num_segments; i++) {
@@ -61,58 +98,83 @@ static void check_motion(const lcm_ssv_scenario_t* question, const lcm_ssv_plan_
             CHECK(fabs(segment->u_start_N[k]) <= limit_N && fabs(segment->u_end_N[k]) <= limit_N);
         }
     }
-    CHECK(is_near(end_s, plan->time_s));
+    CHECK(is_near(end_s, quote->time_s));
     CHECK(plan->events[0].kind == LCM_SSV_EVENT_T_KIND_MATE && plan->events[1].kind == LCM_SSV_EVENT_T_KIND_DOCK);
     CHECK(plan->events[0].t_s >= 0 && plan->events[0].t_s <= plan->events[1].t_s);
-    CHECK(is_near(plan->events[1].t_s, plan->time_s));
+    CHECK(is_near(plan->events[1].t_s, quote->time_s));
+}
+
+static void check_status(ssv_status_t outcome, int8_t status) {
+    CHECK(status == (outcome == SSV_OK           ? LCM_SSV_QUOTE_T_STATUS_OK
+                     : outcome == SSV_INFEASIBLE ? LCM_SSV_QUOTE_T_STATUS_INFEASIBLE
+                                                 : LCM_SSV_QUOTE_T_STATUS_INVALID));
 }
 
 /// Answers into memory full of `filler` and encodes. @return the number of bytes.
-static int answer_bytes(const lcm_ssv_scenario_t* question, ssv_answer_t* answer, int filler, uint8_t* bytes) {
+static int plan_bytes(const lcm_ssv_scenario_t* question, ssv_answer_t* answer, int filler, uint8_t* bytes) {
     memset(answer, filler, sizeof *answer);
-    const ssv_status_t outcome = ssv_answer(question, answer);
-    const int8_t status = answer->wire.status;
-    CHECK(status == (outcome == SSV_OK           ? LCM_SSV_PLAN_T_STATUS_OK
-                     : outcome == SSV_INFEASIBLE ? LCM_SSV_PLAN_T_STATUS_INFEASIBLE
-                                                 : LCM_SSV_PLAN_T_STATUS_INVALID));
-    const int size = lcm_ssv_plan_t_encode(bytes, 0, ANSWER_BYTES_MAX, &answer->wire);
+    check_status(ssv_answer(question, answer), answer->wire.quote.status);
+    const int size = lcm_ssv_plan_t_encode(bytes, 0, SSV_PLAN_BYTES_MAX, &answer->wire);
     CHECK(size > 0 && size == lcm_ssv_plan_t_encoded_size(&answer->wire));
     return size;
+}
+
+static void plan_one(const lcm_ssv_scenario_t* question, ssv_answer_t* answer) {
+    static uint8_t first[SSV_PLAN_BYTES_MAX], second[SSV_PLAN_BYTES_MAX];
+    // The same question gets the same bytes, whatever the memory held before.
+    const int first_size = plan_bytes(question, answer, 0xA5, first);
+    const int second_size = plan_bytes(question, answer, 0x5A, second);
+    CHECK(first_size == second_size && memcmp(first, second, (size_t)first_size) == 0);
+
+    const lcm_ssv_plan_t* plan = &answer->wire;
+    CHECK(plan->quote.request_id == question->request_id && plan->quote.epoch_us == question->epoch_us);
+    check_quote(question, &plan->quote);
+    if (plan->quote.status == LCM_SSV_QUOTE_T_STATUS_OK) {
+        check_motion(question, plan);
+    } else {
+        CHECK(plan->num_legs == 0 && plan->num_segments == 0 && plan->num_events == 0);
+    }
+}
+
+/// The quotes are sound and go with the plans; a plan whose first choice does not fit its memory may cost more.
+static void quote_all(const lcm_ssv_scenario_batch_t* batch, ssv_answer_t* answer) {
+    static ssv_batch_answer_t quotes;
+    static uint8_t bytes[SSV_QUOTE_BATCH_BYTES_MAX];
+    memset(&quotes, 0xA5, sizeof quotes);
+    ssv_answer_batch(batch, &quotes);
+    CHECK(quotes.wire.num_quotes == batch->num_scenarios);
+    CHECK(quotes.wire.request_id == batch->request_id && quotes.wire.epoch_us == batch->epoch_us);
+    const int size = lcm_ssv_quote_batch_t_encode(bytes, 0, sizeof bytes, &quotes.wire);
+    CHECK(size > 0 && size == lcm_ssv_quote_batch_t_encoded_size(&quotes.wire));
+    for (int i = 0; i < batch->num_scenarios; i++) {
+        lcm_ssv_scenario_t alone = batch->scenarios[i];
+        const lcm_ssv_quote_t* quote = &quotes.quotes[i];
+        CHECK(quote->request_id == alone.request_id && quote->epoch_us == alone.epoch_us);
+        check_quote(&alone, quote);
+        alone.epoch_us = batch->epoch_us; // which holds for all of them
+        ssv_answer(&alone, answer);
+        const lcm_ssv_quote_t* of_plan = &answer->wire.quote;
+        if (of_plan->status == LCM_SSV_QUOTE_T_STATUS_OK) {
+            CHECK(quote->status == LCM_SSV_QUOTE_T_STATUS_OK && quote->cost <= of_plan->cost);
+            CHECK(quote->scenario_hash == of_plan->scenario_hash && quote->cost_lower_bound == of_plan->cost_lower_bound);
+        } else if (of_plan->status == LCM_SSV_QUOTE_T_STATUS_INVALID) {
+            CHECK(quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID && strcmp(quote->reason, of_plan->reason) == 0);
+        } else {
+            CHECK(quote->status != LCM_SSV_QUOTE_T_STATUS_INVALID);
+        }
+    }
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     static ssv_answer_t answer;
-    static uint8_t first[ANSWER_BYTES_MAX], second[ANSWER_BYTES_MAX];
-    lcm_ssv_scenario_t question;
-    if (size > INT32_MAX || lcm_ssv_scenario_t_decode(data, 0, (int)size, &question) != (int)size) {
-        return 0;
+    static lcm_ssv_scenario_t scenarios[SSV_MAX_BATCH];
+    lcm_ssv_scenario_batch_t batch;
+    if (ssv_scenario_batch_decode(data, size, scenarios, &batch)) {
+        quote_all(&batch, &answer);
+    } else if (size <= INT32_MAX && lcm_ssv_scenario_t_decode(data, 0, (int)size, &scenarios[0]) == (int)size) {
+        plan_one(&scenarios[0], &answer);
     }
-    // The same question gets the same bytes, whatever the memory held before.
-    const int first_size = answer_bytes(&question, &answer, 0xA5, first);
-    const int second_size = answer_bytes(&question, &answer, 0x5A, second);
-    CHECK(first_size == second_size && memcmp(first, second, (size_t)first_size) == 0);
-
-    const lcm_ssv_plan_t* plan = &answer.wire;
-    CHECK(plan->request_id == question.request_id && plan->epoch_us == question.epoch_us);
-    CHECK((plan->status == LCM_SSV_PLAN_T_STATUS_OK) == (plan->reason[0] == '\0'));
-    CHECK(strlen(plan->reason) < SSV_REASON_SIZE);
-    const lcm_ssv_options_t* options = &question.options;
-    const bool is_method =
-        options->method == LCM_SSV_OPTIONS_T_METHOD_OPTIMAL || options->method == LCM_SSV_OPTIONS_T_METHOD_PAPER;
-    const bool is_effort =
-        options->effort == LCM_SSV_OPTIONS_T_EFFORT_QUICK || options->effort == LCM_SSV_OPTIONS_T_EFFORT_BEST;
-    CHECK((is_method && is_effort) || plan->status == LCM_SSV_PLAN_T_STATUS_INVALID);
-    if (plan->status == LCM_SSV_PLAN_T_STATUS_INVALID) {
-        CHECK(plan->num_candidates == 0 && plan->num_legs == 0 && plan->num_segments == 0 && plan->num_events == 0);
-        return 0;
-    }
-    check_candidates(plan);
-    if (plan->status == LCM_SSV_PLAN_T_STATUS_INFEASIBLE) {
-        CHECK(plan->num_legs == 0 && plan->num_segments == 0 && plan->num_events == 0);
-        return 0;
-    }
-    check_motion(&question, plan);
     return 0;
 }

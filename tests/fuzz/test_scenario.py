@@ -1,5 +1,5 @@
-"""Fuzzes the way from the bytes of a scenario to its answer for 30 s (SSV_LONG: 10 minutes), starting from the shipped
-scenarios. The seed is printed; SSV_SEED=N takes it again. A failing input is printed in hex."""
+"""Fuzzes the way from the bytes of a scenario, or of a batch of them, to the answer for 30 s (SSV_LONG: 10 minutes),
+starting from the shipped scenarios. The seed is printed; SSV_SEED=N takes it again. A failing input is printed in hex."""
 
 import os
 import subprocess

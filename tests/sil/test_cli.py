@@ -224,7 +224,7 @@ class BadInputTest(InFolder):
             self.assertIn("longest plan", candidate["reason"])
         done = ssv("plan", path)
         self.assertEqual(done.returncode, 3)
-        self.assertEqual(done.stdout.count("not feasible"), 3)
+        self.assertEqual(done.stdout.count("not feasible: "), 3)
 
 
 class UsageTest(InFolder):
@@ -309,7 +309,7 @@ def shape(value):
         if any(element != shapes[0] for element in shapes):
             raise AssertionError(f"elements differ: {value}")
         return [len(value) if shapes and shapes[0] == "real" else "any", shapes[0]] if shapes else []
-    return {float: "real", int: "integer", str: "text", type(None): "null"}[type(value)]
+    return {float: "real", int: "integer", str: "text", bool: "flag", type(None): "null"}[type(value)]
 
 
 V3, Q4, U6 = [3, "real"], [4, "real"], [6, "real"]
@@ -320,8 +320,6 @@ PLAN_SHAPE = {
     "status": "text", "reason": "text", "request_id": "integer",
     "cost": {"J": "real", "J_lower_bound": "real", "time_s": "real", "impulse_Ns": "real"},
     "choice": {"beam_contact": "integer", "attach_height_m": "real", "ring_angle_rad": "real", "candidates": "integer"},
-    "candidates": ["any", {"beam_contact": "integer", "attach_height_m": "real", "ring_angle_rad": "real", "reason": "text",
-                           "time_s": "real", "impulse_Ns": "real", "J": "real"}],
     "phases": ["any", {"name": "text", "time_s": "real", "impulse_Ns": "real"}],
     "legs": ["any", {"phase": "text", "kind": "text", "ramp": "text", "t_start_s": "real", "duration_s": "real",
                      "impulse_Ns": "real", "peak_speed": "real", "pose_start": POSE_S, "pose_end": POSE_S}],
@@ -336,7 +334,7 @@ PLAN_SHAPE = {
         "beam": BODY | {"radius_m": "real", "length_m": "real", "drag_strip_kg_m2": "real"},
         "X_IS": POSE_S, "X_IB": POSE_B, "port": {"p_IP_m": V3, "axis_I": V3}, "contact": "integer", "standoff_m": "real",
         "weights": {"time": "real", "impulse": "real"}, "attach_heights_m": [], "ring_angle_rad": "null", "method": "text",
-        "effort": "text",
+        "effort": "text", "want_candidates": "flag", "want_front": "flag",
     },
 }
 
@@ -372,7 +370,6 @@ class PlanJsonTest(InFolder):
                 for total in ("time_s", "impulse_Ns"):
                     of_phases = sum(phase[total] for phase in plan["phases"])
                     self.assertTrue(math.isclose(of_phases, plan["cost"][total], rel_tol=1e-12), total)
-                self.assertEqual(min(c["J"] for c in plan["candidates"] if not c["reason"]), plan["cost"]["J"])
                 self.assertTrue(0 <= plan["cost"]["J_lower_bound"] <= plan["cost"]["J"])
                 self.assertAlmostEqual(plan["events"][0]["t_s"], plan["phases"][0]["time_s"], 9)
                 self.assertAlmostEqual(plan["events"][1]["t_s"], plan["cost"]["time_s"], 9)
@@ -432,7 +429,6 @@ class PlanJsonTest(InFolder):
                 table = ssv("plan", HOST / "scenarios" / f"{name}.yaml", *METHODS[method]).stdout
                 self.assertIn(f"= {plan['cost']['J']:.3f}\n", table)
                 self.assertIn(plan["plan_hash"], table)
-                self.assertEqual(table.count("chosen"), 1)
                 self.assertLessEqual(max(map(len, table.splitlines())), 120)
 
     def test_the_table_tells_the_lower_bound_and_how_far_off_the_plan_can_be(self):
@@ -583,7 +579,7 @@ class OverLcmTest(InFolder):
 class HostileAnswerTest(InFolder):
     """Whatever comes on SSV_PLAN: what is no plan is passed over, and nothing crashes the asker."""
 
-    REQUEST_ID_AT = slice(24, 32)  # after the fingerprint and four counts; in a scenario right after the fingerprint
+    REQUEST_ID_AT = slice(28, 36)  # after the fingerprint and five counts; in a scenario right after the fingerprint
 
     @classmethod
     def setUpClass(cls):
@@ -626,19 +622,21 @@ class HostileAnswerTest(InFolder):
             return self.good[:at] + data + self.good[at + len(data):]
 
         foreign = [
-            b"\0" * 32,
+            b"\0" * 36,
             patched(0, b"\1" * 8),
-            patched(8, b"\x7f\xff\xff\xff"),  # more candidates than memory
-            patched(12, b"\xff\xff\xff\xff"),  # fewer than no legs
-            patched(57, b"\0\0\0\0"),  # a reason without even its terminator
-            patched(57, b"\x7f\xff\xff\xff"),  # a reason longer than the message
-            patched(61, b"X"),  # a reason without its terminator
-            *(self.good[:length] for length in range(32, len(self.good), 97)),
+            patched(8, b"\x7f\xff\xff\xff"),  # more legs than memory
+            patched(12, b"\xff\xff\xff\xff"),  # fewer than no segments
+            patched(20, b"\x7f\xff\xff\xff"),  # more candidates than memory
+            patched(24, b"\0\0\0\x19"),  # one point of a front too many
+            patched(53, b"\0\0\0\0"),  # a reason without even its terminator
+            patched(53, b"\x7f\xff\xff\xff"),  # a reason longer than the message
+            patched(57, b"X"),  # a reason without its terminator
+            *(self.good[:length] for length in range(36, len(self.good), 97)),
         ]
         done = self.ask_with_answers(foreign)
         self.assertEqual(done.returncode, 4, done)
         self.assertIn("another version", done.stderr)
-        done = self.ask_with_answers(foreign[:8] + [self.good])
+        done = self.ask_with_answers(foreign[:10] + [self.good])
         self.assertEqual(done.returncode, 0, done)
 
     def test_a_damaged_plan_does_not_crash_the_asker(self):
@@ -647,7 +645,7 @@ class HostileAnswerTest(InFolder):
         for case in range(40):
             damaged = bytearray(self.good)
             for _ in range(chance.choice([1, 4, 64])):
-                damaged[chance.randrange(32, len(damaged))] = chance.randrange(256)
+                damaged[chance.randrange(36, len(damaged))] = chance.randrange(256)
             with self.subTest(f"seed {seed} case {case}"):
                 self.assertIn(self.ask_with_answers([damaged]).returncode, (0, 1, 2, 3, 4))
 

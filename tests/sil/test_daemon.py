@@ -27,7 +27,7 @@ SEED = int(os.environ.get("SSV_SEED", "20250801"))
 DEADLINE_S = 60  # generous: reached only when something is broken
 RESEND_S = 5  # UDP may lose a datagram on a busy machine; askers ask again
 SCENARIO, PLAN, STATUS = "SSV_SCENARIO", "SSV_PLAN", "SSV_PLANNER_STATUS"
-OK, INFEASIBLE, INVALID = ssv.plan_t.STATUS_OK, ssv.plan_t.STATUS_INFEASIBLE, ssv.plan_t.STATUS_INVALID
+OK, INFEASIBLE, INVALID = ssv.quote_t.STATUS_OK, ssv.quote_t.STATUS_INFEASIBLE, ssv.quote_t.STATUS_INVALID
 NEWEST_US = 2**63 - 1  # no epoch is newer, so junk that happens to be a scenario cannot make this one stale
 
 GROUP = "239.255.76.67"
@@ -109,7 +109,7 @@ class Daemon:
         return code
 
     def _on_plan(self, _channel, data):
-        self.answers.setdefault(struct.unpack_from(">q", data, 24)[0], []).append(data)
+        self.answers.setdefault(struct.unpack_from(">q", data, 28)[0], []).append(data)
 
     def _on_status(self, _channel, data):
         self.statuses.append(ssv.planner_status_t.decode(data))
@@ -172,7 +172,7 @@ class DaemonTest(unittest.TestCase):
     def assert_alive(self, daemon):
         """100 of 100 good questions are answered with the same good plan."""
         plans = daemon.ask_all([question(10**15 + i, NEWEST_US) for i in range(100)])
-        self.assertEqual([p.reason for p in plans], [""] * 100)
+        self.assertEqual([p.quote.reason for p in plans], [""] * 100)
         self.assertEqual(len({p.plan_hash for p in plans}), 1)
 
 
@@ -180,17 +180,18 @@ class Answers(DaemonTest):
     def test_a_good_scenario_gets_a_complete_plan_of_less_than_60_kB(self):
         daemon = self.start()
         plan = daemon.ask(question(42, 7))
-        self.assertEqual((plan.status, plan.reason, plan.request_id, plan.epoch_us), (OK, "", 42, 7))
-        self.assertAlmostEqual(plan.cost, plan.time_s + plan.impulse_Ns, delta=1e-9 * plan.cost)
-        self.assertTrue(0 < plan.cost_lower_bound <= plan.cost)
-        self.assertAlmostEqual(sum(leg.duration_s for leg in plan.legs), plan.time_s, delta=1e-9 * plan.time_s)
-        self.assertAlmostEqual(sum(leg.impulse_Ns for leg in plan.legs), plan.impulse_Ns, delta=1e-9 * plan.impulse_Ns)
+        quote = plan.quote
+        self.assertEqual((quote.status, quote.reason, quote.request_id, quote.epoch_us), (OK, "", 42, 7))
+        self.assertAlmostEqual(quote.cost, quote.time_s + quote.impulse_Ns, delta=1e-9 * quote.cost)
+        self.assertTrue(0 < quote.cost_lower_bound <= quote.cost)
+        self.assertAlmostEqual(sum(leg.duration_s for leg in plan.legs), quote.time_s, delta=1e-9 * quote.time_s)
+        self.assertAlmostEqual(sum(leg.impulse_Ns for leg in plan.legs), quote.impulse_Ns, delta=1e-9 * quote.impulse_Ns)
         last = plan.segments[-1]
-        self.assertAlmostEqual(last.t_s + last.duration_s, plan.time_s, delta=1e-6)
+        self.assertAlmostEqual(last.t_s + last.duration_s, quote.time_s, delta=1e-6)
         self.assertLessEqual(max(abs(u) for s in plan.segments for u in (*s.u_start_N, *s.u_end_N)), 6 * (1 + 1e-9))
         self.assertEqual([e.kind for e in plan.events], [ssv.event_t.KIND_MATE, ssv.event_t.KIND_DOCK])
-        self.assertEqual((plan.num_candidates, plan.choice.contact), (3, 1))
-        self.assertNotIn(0, (plan.scenario_hash, plan.plan_hash))
+        self.assertEqual((quote.num_candidates, quote.num_front, quote.choice.contact), (0, 0, 1))
+        self.assertNotIn(0, (quote.scenario_hash, plan.plan_hash))
         self.assertLess(len(daemon.answers[42][0]), 60000)
         print(f"a plan of {plan.num_segments} segments takes {len(daemon.answers[42][0])} bytes", flush=True)
 
@@ -203,7 +204,7 @@ class Answers(DaemonTest):
         daemon.ask(changed(question(1, 99), "contact", 77))
         self.assertGreaterEqual(len(daemon.answers[1]), 4)
         self.assertEqual(len(set(daemon.answers[1])), 1)
-        self.assertEqual(daemon.ask(question(3, 60)).status, OK)  # 99 came with a repeated id and did not count
+        self.assertEqual(daemon.ask(question(3, 60)).quote.status, OK)  # 99 came with a repeated id and did not count
         status = daemon.next_status()
         self.assertEqual((status.accepted, status.repeated), (3, status.received - 3))
 
@@ -238,16 +239,16 @@ class Answers(DaemonTest):
     def test_any_64_bit_request_id_is_an_id(self):
         daemon = self.start()
         for request_id in (0, -1, 2**63 - 1, -(2**63)):
-            self.assertEqual(daemon.ask(question(request_id)).request_id, request_id)
+            self.assertEqual(daemon.ask(question(request_id)).quote.request_id, request_id)
 
     def test_a_task_that_no_candidate_can_do_is_infeasible_with_a_reason_for_each(self):
         plan = self.start().ask(changed(question(1), "X_IS.p_m", [-900, 0, 0]))
-        self.assertEqual((plan.status, plan.num_legs, plan.num_segments, plan.num_events, plan.plan_hash),
+        self.assertEqual((plan.quote.status, plan.num_legs, plan.num_segments, plan.num_events, plan.plan_hash),
                          (INFEASIBLE, 0, 0, 0, 0))
-        self.assertEqual(plan.num_candidates, 3)
-        for candidate in plan.candidates:
+        self.assertEqual(plan.quote.num_candidates, 3)
+        for candidate in plan.quote.candidates:
             self.assertTrue(candidate.reason)
-            self.assertIn(f"contact 1, height {candidate.attach_height_m:g} m: {candidate.reason}", plan.reason)
+            self.assertIn(f"contact 1, height {candidate.attach_height_m:g} m: {candidate.reason}", plan.quote.reason)
 
     def test_quaternions_within_a_thousandth_of_unit_length_are_normalised(self):
         daemon = self.start()
@@ -256,8 +257,8 @@ class Answers(DaemonTest):
             q = question(request_id)
             q.X_IS.q, q.X_IB.q = ([scale * c for c in pose.q] for pose in (q.X_IS, q.X_IB))
             plan = daemon.ask(q)
-            self.assertEqual(plan.status, OK)
-            self.assertAlmostEqual(plan.cost, exact.cost, delta=1e-9 * exact.cost)
+            self.assertEqual(plan.quote.status, OK)
+            self.assertAlmostEqual(plan.quote.cost, exact.quote.cost, delta=1e-9 * exact.quote.cost)
             self.assertAlmostEqual(math.hypot(*plan.legs[0].X_IS_start.q), 1, delta=1e-12)
 
     def test_options_of_zero_are_method_optimal_with_effort_quick_and_the_others_are_taken_too(self):
@@ -270,9 +271,9 @@ class Answers(DaemonTest):
             for effort in efforts:
                 q = changed(question(len(hashes) + 1), "options.method", choices[method])
                 plan = daemon.ask(changed(q, "options.effort", efforts[effort]))
-                self.assertEqual(plan.status, OK)
-                cost[method, effort] = plan.cost
-                hashes.add(plan.scenario_hash)
+                self.assertEqual(plan.quote.status, OK)
+                cost[method, effort] = plan.quote.cost
+                hashes.add(plan.quote.scenario_hash)
                 ramps = {leg.ramp for leg in plan.legs}
                 self.assertEqual(ramps == {ssv.leg_t.RAMP_OPTIMAL}, method == "optimal", ramps)
         self.assertEqual(len(hashes), 4)
@@ -283,39 +284,39 @@ class Answers(DaemonTest):
     def test_a_flag_is_true_unless_its_byte_is_zero(self):
         flags = (0, 1, 2, 127, -1, -128)
         plans = self.start().ask_all([changed(question(i), "options.ring_angle_given", flags[i]) for i in range(len(flags))])
-        self.assertEqual([p.status for p in plans], [OK] * len(flags))
-        self.assertEqual([p.scenario_hash == plans[1].scenario_hash for p in plans], [False] + [True] * 5)
+        self.assertEqual([p.quote.status for p in plans], [OK] * len(flags))
+        self.assertEqual([p.quote.scenario_hash == plans[1].quote.scenario_hash for p in plans], [False] + [True] * 5)
 
 
 class Epochs(DaemonTest):
     def test_an_older_epoch_is_refused_with_both_values(self):
         daemon = self.start()
-        self.assertEqual(daemon.ask(question(1, 1000)).status, OK)
+        self.assertEqual(daemon.ask(question(1, 1000)).quote.status, OK)
         stale = daemon.ask(question(2, 999))
-        self.assertEqual((stale.status, stale.num_segments), (INVALID, 0))
+        self.assertEqual((stale.quote.status, stale.num_segments), (INVALID, 0))
         for word in ("epoch_us", "999", "1000"):
-            self.assertIn(word, stale.reason)
-        self.assertEqual(daemon.ask(question(3, 1000)).status, OK)
+            self.assertIn(word, stale.quote.reason)
+        self.assertEqual(daemon.ask(question(3, 1000)).quote.status, OK)
         self.assertEqual(daemon.next_status().rejected_stale_epoch, 1)
 
     def test_an_invalid_scenario_does_not_advance_the_epoch(self):
         daemon = self.start()
-        self.assertEqual(daemon.ask(question(1, 10)).status, OK)
-        self.assertEqual(daemon.ask(changed(question(2, NEWEST_US), "standoff_m", -1)).status, INVALID)
-        self.assertEqual(daemon.ask(question(3, 10)).status, OK)
+        self.assertEqual(daemon.ask(question(1, 10)).quote.status, OK)
+        self.assertEqual(daemon.ask(changed(question(2, NEWEST_US), "standoff_m", -1)).quote.status, INVALID)
+        self.assertEqual(daemon.ask(question(3, 10)).quote.status, OK)
 
     def test_an_infeasible_scenario_does_advance_the_epoch(self):
         daemon = self.start()
-        self.assertEqual(daemon.ask(changed(question(1, 20), "X_IS.p_m", [-900, 0, 0])).status, INFEASIBLE)
-        self.assertIn("epoch_us", daemon.ask(question(2, 19)).reason)
+        self.assertEqual(daemon.ask(changed(question(1, 20), "X_IS.p_m", [-900, 0, 0])).quote.status, INFEASIBLE)
+        self.assertIn("epoch_us", daemon.ask(question(2, 19)).quote.reason)
 
     def test_of_a_burst_the_newest_is_planned_and_what_follows_it_with_an_older_epoch_is_not(self):
         daemon = self.start()
         newest, older, same = daemon.ask_all([question(1, 3), question(2, 2), question(3, 3)])
-        self.assertEqual((newest.status, older.status, same.status), (OK, INVALID, OK))
+        self.assertEqual((newest.quote.status, older.quote.status, same.quote.status), (OK, INVALID, OK))
 
     def test_a_negative_epoch_is_named(self):
-        self.assertIn("epoch_us: -1 ", self.start().ask(question(1, -1)).reason)
+        self.assertIn("epoch_us: -1 ", self.start().ask(question(1, -1)).quote.reason)
 
 
 NAN, INF = float("nan"), float("inf")
@@ -386,9 +387,10 @@ class InvalidScenarios(DaemonTest):
         def check(q, expected, counter):
             plan = daemon.ask(q)
             with self.subTest(expected):
-                self.assertEqual((plan.status, plan.request_id), (INVALID, q.request_id))
-                self.assertTrue(plan.reason.startswith(expected), plan.reason)
-                self.assertEqual((plan.num_candidates, plan.num_legs, plan.num_segments, plan.num_events), (0, 0, 0, 0))
+                quote = plan.quote
+                self.assertEqual((quote.status, quote.request_id), (INVALID, q.request_id))
+                self.assertTrue(quote.reason.startswith(expected), quote.reason)
+                self.assertEqual((quote.num_candidates, plan.num_legs, plan.num_segments, plan.num_events), (0, 0, 0, 0))
             counted[counter] += 1
 
         for i, (path, value, expected, counter) in enumerate(INVALID_FIELDS):
@@ -404,7 +406,7 @@ class InvalidScenarios(DaemonTest):
 
     def test_what_is_not_asked_for_is_not_judged(self):
         q = changed(changed(question(1), "options.ring_angle_given", False), "options.ring_angle_rad", NAN)
-        self.assertEqual(self.start().ask(changed(q, "options.attach_heights_m", [NAN] * 8)).status, OK)
+        self.assertEqual(self.start().ask(changed(q, "options.attach_heights_m", [NAN] * 8)).quote.status, OK)
 
 
 class Junk(DaemonTest):
@@ -488,11 +490,11 @@ class Junk(DaemonTest):
         for data in self.malformed(10_000):
             batch.append(ssv.scenario_t.decode(data))
             if len(batch) == 50:
-                for plan in daemon.ask_all(batch):
-                    self.assertIn(plan.status, (OK, INFEASIBLE, INVALID))
-                    self.assertEqual(plan.status == OK, plan.reason == "")
-                    self.assertLess(len(plan.reason), 2048)
-                    tally[plan.status] = tally.get(plan.status, 0) + 1
+                for quote in (plan.quote for plan in daemon.ask_all(batch)):
+                    self.assertIn(quote.status, (OK, INFEASIBLE, INVALID))
+                    self.assertEqual(quote.status == OK, quote.reason == "")
+                    self.assertLess(len(quote.reason), 1535)
+                    tally[quote.status] = tally.get(quote.status, 0) + 1
                 batch = []
                 daemon.answers.clear()
         print(f"10000 malformed scenarios: {tally.get(INVALID, 0)} invalid, {tally.get(INFEASIBLE, 0)} infeasible, "
@@ -507,14 +509,16 @@ class Process(DaemonTest):
 
     def test_status_comes_once_a_second_with_the_version_and_the_type_hashes(self):
         daemon = self.start()
-        self.assertEqual(daemon.ask(question(77)).status, OK)
+        self.assertEqual(daemon.ask(question(77)).quote.status, OK)
         seen = len(daemon.statuses)
         daemon.wait_until(lambda: len(daemon.statuses) >= seen + 5)
         first, *_, last = daemon.statuses[seen:]
         self.assertAlmostEqual((last.uptime_us - first.uptime_us) / 1e6 / (len(daemon.statuses) - seen - 1), 1, delta=0.3)
         type_hash = lambda t: struct.unpack(">q", t._get_packed_fingerprint())[0]
-        self.assertEqual((last.scenario_type_hash, last.plan_type_hash, last.planner_status_type_hash),
-                         tuple(map(type_hash, (ssv.scenario_t, ssv.plan_t, ssv.planner_status_t))))
+        self.assertEqual((last.scenario_type_hash, last.plan_type_hash, last.scenario_batch_type_hash,
+                          last.quote_batch_type_hash, last.planner_status_type_hash),
+                         tuple(map(type_hash, (ssv.scenario_t, ssv.plan_t, ssv.scenario_batch_t, ssv.quote_batch_t,
+                                               ssv.planner_status_t))))
         self.assertIn(last.version, self.run_daemon("--version").stdout)
         self.assertEqual((last.accepted, last.last_request_id), (1, 77))
         self.assertLess(0, last.last_plan_us)

@@ -1,6 +1,6 @@
-/// `ssv plan`: reads a scenario file, has it planned in process or over LCM, and shows the answer.
-#ifndef SSV_PLAN_COMMAND_H
-#define SSV_PLAN_COMMAND_H
+/// The commands of the program `ssv`. Each gets its own arguments, argv[0] being its name, and returns the exit code.
+#ifndef SSV_COMMANDS_H
+#define SSV_COMMANDS_H
 
 /// The program's exit codes; a shell script can tell them apart.
 enum {
@@ -12,7 +12,10 @@ enum {
     EXIT_USAGE = 64               ///< wrong arguments (sysexits.h, argp)
 };
 
-/// Runs the command; argv[0] is its name. @return the exit code.
+/// `ssv plan`: reads a scenario file, has it planned in process or over LCM, and shows the plan.
 int plan_command(int argc, char** argv);
+
+/// `ssv quote`: reads scenario files, has them priced in process or over LCM, and shows the prices side by side.
+int quote_command(int argc, char** argv);
 
 #endif

@@ -1,0 +1,35 @@
+/// What `ssv plan` and `ssv quote` have in common: their options, and how a scenario file becomes a question.
+#ifndef SSV_TASK_OPTIONS_H
+#define SSV_TASK_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "lcm_ssv_scenario_t.h"
+#include "ssv/answer.h"
+
+typedef struct {
+    int num_paths;                ///< [1, the most that the command takes]
+    const char* paths[SSV_MAX_BATCH]; ///< of scenario files
+    const char* lcm_url;          ///< NULL = LCM's default
+    const char* output_path;      ///< NULL = standard output
+    double weights[2];
+    double timeout_s;
+    int8_t method, effort;        ///< -1 = the file's
+    bool over_lcm, weights_given, as_json, want_candidates, want_front;
+} task_options_t;
+
+/// Parses the command line; --help and wrong arguments end the program. `doc` is the command's part of the help, as of argp;
+/// max_paths is 1..SSV_MAX_BATCH.
+void task_options_parse(task_options_t* options, const char* doc, int max_paths, int argc, char** argv);
+
+/// Reads a scenario file; what the options say counts over what it says. Writes everything but request_id and epoch_us.
+/// @return true; or false with a sentence in `error`.
+bool task_read(const task_options_t* options, const char* path, lcm_ssv_scenario_t* question, char* error,
+               size_t error_size);
+
+/// The time on the clock as an epoch, and a request id that is unique per run.
+void task_stamp(int64_t* request_id, int64_t* epoch_us);
+
+#endif
