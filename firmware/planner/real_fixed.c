@@ -129,15 +129,13 @@ real_t real_sqrt(real_t a) {
         const uint32_t one = (uint32_t)(((uint64_t)y * y >> 32) * x32 >> 32); // 30 bits after the point
         y = (uint32_t)((uint64_t)y * (0xbffffffeu - one) >> 31);
     }
-    // sqrt(x) from its upper half and one more step, then to the nearest by what is left of 2^32 a.
+    // sqrt(x) from its upper half and one more step: the root rounded down, or one less; what is left of 2^32 a tells.
     const uint32_t root32 = (uint32_t)((uint64_t)x32 * y >> 31);
     const int64_t left = (int64_t)(x - (uint64_t)root32 * root32);
     const int64_t root_q16 = ((int64_t)root32 << 16) + ((left >> 8) * (int64_t)y >> 40);
-    int64_t root = root_q16 >> half_shift;
+    const int64_t root = root_q16 >> half_shift;
     const int64_t rest = (int64_t)(((uint64_t)a << 32) - (uint64_t)root * (uint64_t)root);
-    if (rest > root) root++;
-    if (rest <= -root) root--;
-    return root;
+    return rest > root ? root + 1 : root;
 }
 
 // ---- Transcendental functions -------------------------------------------------------------------------------------------

@@ -9,9 +9,9 @@
 ///
 /// Largest error against the exact result, in ulp; the first three are correctly rounded, ties to even.
 ///   real_mul, real_div, real_sqrt   0.5
-///   real_log1p, real_sin, real_cos, real_atan2   0.55
-///   real_expm1   0.55 up to a result of 2^16, 1 above
-///   real_tan     for |a| <= 8: 0.55 up to a result of 2^10 in size, 1 up to 2^13; more near the poles
+///   real_log1p, real_sin, real_cos, real_atan2   0.52
+///   real_expm1   0.52 up to a result of 2^16, 1 above
+///   real_tan     for |a| <= 8: 0.52 up to a result of 2^10 in size, 1 up to 2^13; more near the poles
 /// The others hold for arguments up to REAL_MAX in size. Odd functions are exactly odd, cosine is exactly even.
 #ifndef SSV_REAL_FIXED_H
 #define SSV_REAL_FIXED_H
