@@ -410,13 +410,13 @@ static void quote_row(FILE* out, int path_width, const char* path, const lcm_ssv
         fprintf(out, "  %s\n", quote->status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE ? "no feasible candidate" : "refused");
         return;
     }
-    fprintf(out, " %11.3f %10.3f %11.3f %11.3f", quote->cost, quote->time_s, quote->impulse_Ns, quote->cost_lower_bound);
+    fprintf(out, "  %11.3f  %9.3f  %11.3f  %11.3f", quote->cost, quote->time_s, quote->impulse_Ns, quote->cost_lower_bound);
     if (quote->cost_lower_bound > 0) {
-        fprintf(out, " %6.1f", gap_percent(quote));
+        fprintf(out, "  %6.1f", gap_percent(quote));
     } else {
-        fprintf(out, " %6s", "-");
+        fprintf(out, "  %6s", "-");
     }
-    fprintf(out, " %7d %+9.4f\n", quote->choice.contact, quote->choice.attach_height_m);
+    fprintf(out, "  %7d  %+8.4f\n", quote->choice.contact, quote->choice.attach_height_m);
 }
 
 bool report_quotes_table(FILE* out, const void* report) {
@@ -426,8 +426,8 @@ bool report_quotes_table(FILE* out, const void* report) {
         const int length = (int)strlen(quotes->row[i].path);
         width = length > width ? length : width;
     }
-    fprintf(out, "%-*s %11s %10s %11s %11s %6s %7s %9s\n", width, "scenario", "J", "time s", "impulse N s", "lower bound",
-            "gap %", "contact", "height m");
+    fprintf(out, "%-*s  %11s  %9s  %11s  %11s  %6s  %7s  %8s\n", width, "scenario", "J", "time s", "impulse N s",
+            "lower bound", "gap %", "contact", "height m");
     for (int i = 0; i < quotes->count; i++) {
         quote_row(out, width, quotes->row[i].path, quotes->row[i].quote);
     }

@@ -37,7 +37,7 @@ typedef struct {
 bool report_plan_json(FILE* out, const void* plan);
 bool report_quotes_json(FILE* out, const void* quotes);
 
-/// Writes tables at most 120 columns wide, those of quotes if no path is longer than 47. A plan with STATUS_INVALID has
+/// Writes tables at most 120 columns wide, those of quotes if no path is longer than 43. A plan with STATUS_INVALID has
 /// none. @return true.
 bool report_plan_table(FILE* out, const void* plan);
 bool report_quotes_table(FILE* out, const void* quotes);

@@ -1,4 +1,4 @@
-"""ssv plan from the outside: what users and their scripts rely on."""
+"""ssv plan and ssv quote from the outside: what users and their scripts rely on."""
 import itertools
 import json
 import math
@@ -137,7 +137,8 @@ class BadInputTest(InFolder):
     def test_a_word_that_is_no_choice_is_refused_with_the_choices(self):
         self.assert_refused(self.scenario(("contact: 1", "contact: 3")), "beam.contact: '3'", "either, 1, 2")
         self.assert_refused(self.scenario(("port: 1", "port: 4"), base=PORT1), "hub.port: '4'", "1, 2, 3")
-        for key, word, choices in (("method", "fastest", "optimal, paper"), ("effort", "1", "quick, best")):
+        for key, word, choices in (("method", "fastest", "optimal, paper"), ("effort", "1", "quick, best"),
+                                   ("candidates", "yes", "false, true"), ("front", "1", "false, true")):
             path = self.scenario(("model: paper", f"model: paper\n{key}: {word}"))
             self.assert_refused(path, f"{key}: '{word}' is none of {choices}")
 
@@ -244,6 +245,10 @@ class UsageTest(InFolder):
             ["plan", PAPER_CASE, "--format", "xml"],
             ["plan", PAPER_CASE, "--lcm", "--timeout", "0"],
             ["plan", PAPER_CASE, "--lcm", "--timeout", ".nan"],
+            ["plan", PAPER_CASE, "--candidates=yes"],
+            ["quote"],
+            ["quote", *[PAPER_CASE] * 17],
+            ["quote", PAPER_CASE, "--front=all"],
         ]:
             with self.subTest(arguments):
                 done = ssv(*arguments)
@@ -252,13 +257,14 @@ class UsageTest(InFolder):
                 self.assertIn("ssv", done.stderr)
 
     def test_help_has_examples_and_every_exit_code(self):
-        done = ssv("plan", "--help")
-        self.assertEqual(done.returncode, 0)
-        self.assertIn("Examples:", done.stdout)
-        codes = [line.split()[0] for line in done.stdout.split("Exit codes:")[1].splitlines() if line.strip()]
-        self.assertEqual(sorted(code for code in codes if code.isdigit()), ["0", "1", "2", "3", "4", "64"])
-        self.assertLessEqual(max(map(len, done.stdout.splitlines())), 80)
-        self.assertIn("plan", ssv("--help").stdout)
+        for command in ("plan", "quote"):
+            done = ssv(command, "--help")
+            self.assertEqual(done.returncode, 0)
+            self.assertIn("Examples:", done.stdout)
+            codes = [line.split()[0] for line in re.split("Exit codes.*:", done.stdout)[1].splitlines() if line.strip()]
+            self.assertEqual(sorted(code for code in codes if code.isdigit()), ["0", "1", "2", "3", "4", "64"])
+            self.assertLessEqual(max(map(len, done.stdout.splitlines())), 80)
+            self.assertIn(f"  {command} ", ssv("--help").stdout)
 
     def test_version_is_that_of_the_daemon(self):
         daemon = subprocess.run([BIN / "ssv-plannerd", "--version"], capture_output=True, text=True, timeout=60)
@@ -440,6 +446,137 @@ class PlanJsonTest(InFolder):
                 self.assertIn(f"at most {100 * (plan['cost']['J'] / least - 1):.1f} % above the best possible", table)
 
 
+CANDIDATE_SHAPE = {"beam_contact": "integer", "attach_height_m": "real", "ring_angle_rad": "real", "reason": "text",
+                   "time_s": "real", "impulse_Ns": "real", "J": "real"}
+POINT_SHAPE = {"time_s": "real", "impulse_Ns": "real", "J": "real", "beam_contact": "integer", "attach_height_m": "real",
+               "ring_angle_rad": "real"}
+
+
+class CandidatesAndFrontTest(InFolder):
+    def answer(self, command, path, *arguments):
+        answer = json.loads(ssv(command, path, "--format", "json", *arguments).stdout)
+        return answer["quotes"][0] if command == "quote" else answer
+
+    def test_candidates_and_front_come_only_on_request_of_the_command_line_or_of_the_file(self):
+        of_file = {"candidates": False, "front": False}
+        for key in of_file:
+            path = self.scenario(("model: paper", f"model: paper\n{key}: true"))
+            off = self.folder / "off.yaml"
+            off.write_text(path.read_text().replace("true", "false"))
+            for command in ("plan", "quote"):
+                with self.subTest(f"{command} {key}"):
+                    asked = self.answer(command, PAPER_CASE, f"--{key}")
+                    self.assertEqual({k: k in asked for k in of_file}, of_file | {key: True})
+                    self.assertEqual(self.answer(command, path)[key], asked[key])
+                    for answer in (self.answer(command, PAPER_CASE), self.answer(command, off)):
+                        self.assertFalse(of_file.keys() & answer.keys())
+                        self.assertEqual(answer["cost"], asked["cost"])
+
+    def test_every_contact_and_height_is_a_candidate_and_the_quote_is_the_cheapest(self):
+        for path, method in itertools.product(SCENARIOS, METHODS):
+            with self.subTest(f"{path.stem} {method}"):
+                answer = self.answer("plan", path, "--candidates", *METHODS[method])
+                self.assertEqual(shape(answer["candidates"]), ["any", CANDIDATE_SHAPE])
+                asked = answer["scenario"]
+                heights = asked["attach_heights_m"] or [1.524, 0, -1.524]
+                contacts = [asked["contact"]] if asked["contact"] else [1, 2]
+                self.assertEqual([(c["beam_contact"], c["attach_height_m"]) for c in answer["candidates"]],
+                                 list(itertools.product(contacts, heights)))
+                self.assertEqual(min(c["J"] for c in answer["candidates"] if not c["reason"]), answer["cost"]["J"])
+                quote = self.answer("quote", path, "--candidates", *METHODS[method])
+                self.assertEqual(quote["candidates"], answer["candidates"])
+                for command in ("plan", "quote"):
+                    table = ssv(command, path, "--candidates", *METHODS[method]).stdout
+                    self.assertEqual(table.count("  chosen\n"), 1)
+                    self.assertEqual(ssv(command, path, *METHODS[method]).stdout.count("chosen"), 0)
+
+    def test_no_point_of_a_front_is_better_than_another_in_both_and_it_is_no_worse_than_the_quote(self):
+        for path, weights in itertools.product(SCENARIOS, ("1,0", "1,0.1", "1,1", "0,1")):
+            with self.subTest(f"{path.stem} {weights}"):
+                answer = self.answer("quote", path, "--front", "--weights", weights, "--method", "optimal")
+                front, cost = answer["front"], answer["cost"]
+                self.assertEqual(shape(front), ["any", POINT_SHAPE])
+                for one, another in itertools.permutations(front, 2):
+                    self.assertFalse(one["time_s"] <= another["time_s"] and one["impulse_Ns"] <= another["impulse_Ns"])
+                self.assertEqual(front, sorted(front, key=lambda point: point["time_s"]))
+                self.assertTrue(any(point["time_s"] <= cost["time_s"] and point["impulse_Ns"] <= cost["impulse_Ns"]
+                                    for point in front))
+                w1, w2 = map(float, weights.split(","))
+                for point in front:
+                    self.assertAlmostEqual(point["J"], w1 * point["time_s"] + w2 * point["impulse_Ns"], 8)
+                table = ssv("quote", path, "--front", "--weights", weights, "--method", "optimal").stdout
+                for point in front:
+                    self.assertRegex(table, rf"{point['time_s']:.3f} +{point['impulse_Ns']:.3f} ")
+
+
+class QuoteTest(InFolder):
+    def quotes(self, paths, *arguments, code=0):
+        done = ssv("quote", *paths, "--format", "json", *arguments)
+        self.assertEqual(done.returncode, code, done)
+        quotes = json.loads(done.stdout)["quotes"]
+        self.assertEqual([quote["file"] for quote in quotes], list(map(str, paths)))
+        return quotes
+
+    def other(self, name, *changes):
+        path = self.folder / name
+        path.write_text(edited(PAPER_CASE.read_text(), *changes))
+        return path
+
+    def test_a_quote_is_the_price_of_the_plan_to_the_last_bit(self):
+        for method, weights in itertools.product(METHODS, ("1,0", "0,1", "1,1")):
+            arguments = [*METHODS[method], "--weights", weights]
+            for path, quote in zip(SCENARIOS, self.quotes(SCENARIOS, *arguments)):
+                with self.subTest(f"{path.stem} {method} {weights}"):
+                    plan = json.loads(ssv("plan", path, "--format", "json", *arguments).stdout)
+                    self.assertEqual(list(quote), ["file", "status", "reason", "request_id", "cost", "choice",
+                                                   "scenario_hash", "scenario"])
+                    for key in ("status", "reason", "cost", "choice", "scenario_hash"):
+                        self.assertEqual(quote[key], plan[key])
+                    self.assertEqual(without_stamp(quote)["scenario"], without_stamp(plan)["scenario"])
+
+    def test_the_table_has_a_row_for_each_file_with_the_same_numbers(self):
+        lines = ssv("quote", *SCENARIOS).stdout.splitlines()
+        self.assertEqual(len(lines), 1 + len(SCENARIOS))
+        self.assertEqual(len({len(line) for line in lines}), 1)
+        self.assertEqual(re.split("  +", lines[0]),
+                         ["scenario", "J", "time s", "impulse N s", "lower bound", "gap %", "contact", "height m"])
+        for line, path, quote in zip(lines[1:], SCENARIOS, self.quotes(SCENARIOS)):
+            cost, choice = quote["cost"], quote["choice"]
+            gap = 100 * (cost["J"] / cost["J_lower_bound"] - 1)
+            prices = [f"{cost[key]:.3f}" for key in ("J", "time_s", "impulse_Ns", "J_lower_bound")]
+            where = [str(choice["beam_contact"]), f"{choice['attach_height_m']:+.4f}"]
+            self.assertEqual(line.split(), [str(path), *prices, f"{gap:.1f}", *where])
+
+    def test_a_task_that_is_refused_or_has_no_plan_leaves_the_others_alone_and_the_worst_decides_the_exit_code(self):
+        far = self.other("far.yaml", ("p_IS_m: [0, 0, 0]", "p_IS_m: [-900, 0, 0]"))
+        bad = self.other("bad.yaml", ("standoff_m: 0.3025", "standoff_m: .nan"))
+        typo = self.other("typo.yaml", ("standoff_m", "standof_m"))
+        alone = {path: self.quotes([path], code=code)[0] for path, code in ((PAPER_CASE, 0), (far, 3), (bad, 2), (typo, 2))}
+        self.assertEqual([quote["status"] for quote in alone.values()], ["ok", "infeasible", "invalid", "invalid"])
+        self.assertEqual(list(alone[far]),
+                         ["file", "status", "reason", "request_id", "candidates", "scenario_hash", "scenario"])
+        self.assertEqual(list(alone[bad]), ["file", "status", "reason"])
+        same = lambda quote: {key: quote[key] for key in quote if key not in ("request_id", "scenario")}
+        for paths, code in (([far, PAPER_CASE], 3), ([typo, far, PAPER_CASE, bad, PAPER_CASE], 2), ([far, bad], 2),
+                            ([typo, far], 2), ([PAPER_CASE] * 16, 0)):
+            for quote, path in zip(self.quotes(paths, code=code), paths):
+                self.assertEqual(same(quote), same(alone[path]))
+        done = ssv("quote", typo, far, PAPER_CASE, bad)
+        self.assertEqual(done.stderr.splitlines(), [
+            f"ssv: {typo}:15: standof_m: unknown key", f"ssv: {far}: no feasible candidate",
+            f"ssv: {bad}: standoff_m: nan is not a finite number"])
+        rows = done.stdout.splitlines()
+        self.assertEqual([row.split(maxsplit=1)[1] for row in (rows[1], rows[2], rows[4])],
+                         ["refused", "no feasible candidate", "refused"])
+        self.assertEqual(done.stdout.count("not feasible: "), 3)
+
+    def test_quotes_go_to_the_file_that_is_named(self):
+        file = self.folder / "quotes.json"
+        done = ssv("quote", PAPER_CASE, "--format", "json", "--output", file)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+        self.assertEqual(json.loads(file.read_text())["quotes"][0]["status"], "ok")
+
+
 class OutputTest(InFolder):
     def setUp(self):
         super().setUp()
@@ -540,6 +677,26 @@ class OverLcmTest(InFolder):
                 self.assertEqual(json.loads(there.stdout)["reason"], json.loads(here.stdout)["reason"])
                 self.assertEqual(there.stderr, here.stderr)
 
+    def test_quotes_are_those_computed_in_process(self):
+        bad = self.folder / "bad.yaml"
+        bad.write_text(edited(PAPER_CASE.read_text(), ("standoff_m: 0.3025", "standoff_m: .nan")))
+        typo = self.folder / "typo.yaml"
+        typo.write_text(edited(PAPER_CASE.read_text(), ("standoff_m", "standof_m")))
+        far = self.scenario(("p_IS_m: [0, 0, 0]", "p_IS_m: [-900, 0, 0]"))
+        stamped = r'"(request_id|epoch_us)": \d+'
+        with Daemon(URL):
+            for paths, details, code in ((SCENARIOS, [], 0), (SCENARIOS, ["--candidates", "--front"], 0),
+                                         ([typo, PAPER_CASE, bad, far, PORT1], [], 2), ([typo], [], 2)):
+                for method in METHODS.values():
+                    arguments = ["quote", *paths, *details, *method, "--format", "json"]
+                    here, there = ssv(*arguments), ssv(*arguments, f"--lcm={URL}", "--timeout", "40")
+                    self.assertEqual((here.returncode, there.returncode), (code, code), there)
+                    self.assertEqual(re.sub(stamped, "", here.stdout), re.sub(stamped, "", there.stdout))
+                    self.assertEqual(here.stderr, there.stderr)
+        done = ssv("quote", PAPER_CASE, f"--lcm={SILENT_URL}", "--timeout", "0.2")
+        self.assertEqual((done.returncode, done.stdout), (4, ""))
+        self.assertIn(SILENT_URL, done.stderr)
+
     def test_a_planner_that_starts_late_still_answers(self):
         process = subprocess.Popen([BIN / "ssv", "plan", PAPER_CASE, f"--lcm={URL}", "--timeout", "30"],
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -577,33 +734,35 @@ class OverLcmTest(InFolder):
 
 
 class HostileAnswerTest(InFolder):
-    """Whatever comes on SSV_PLAN: what is no plan is passed over, and nothing crashes the asker."""
+    """Whatever comes on the planner's channels: what is no answer is passed over, and nothing crashes the asker."""
 
-    REQUEST_ID_AT = slice(28, 36)  # after the fingerprint and five counts; in a scenario right after the fingerprint
+    # Where the request id stands: after the fingerprint and the counts; in a question after the fingerprint and its count.
+    KINDS = {"plan": ("SSV_SCENARIO", 8, "SSV_PLAN", 28), "quote": ("SSV_SCENARIO_BATCH", 12, "SSV_QUOTE_BATCH", 12)}
 
     @classmethod
     def setUpClass(cls):
-        bus = lcm.LCM(URL)
-        heard = []
-        bus.subscribe("SSV_PLAN", lambda channel, data: heard.append(data))
-        with Daemon(URL):
-            done = ssv("plan", PAPER_CASE, f"--lcm={URL}", "--timeout", "20")
-            if done.returncode != 0 or bus.handle_timeout(20000) <= 0:
-                raise AssertionError(done)
-        cls.good = heard[0]
+        cls.good = {}
+        for command, (_, _, channel, _) in cls.KINDS.items():
+            bus = lcm.LCM(URL)
+            bus.subscribe(channel, lambda channel, data: cls.good.setdefault(command, data))
+            with Daemon(URL):
+                done = ssv(command, PAPER_CASE, f"--lcm={URL}", "--timeout", "20", "--candidates", "--front")
+                if done.returncode != 0 or bus.handle_timeout(20000) <= 0:
+                    raise AssertionError(done)
 
-    def ask_with_answers(self, answers):
+    def ask_with_answers(self, command, answers):
         """Runs ssv against a stand-in planner that answers every question with all of these, its request id put in."""
+        ask_channel, asked_at, answer_channel, answered_at = self.KINDS[command]
         bus = lcm.LCM(URL)
         stop = threading.Event()
 
         def reply(channel, data):
             for answer in answers:
                 answer = bytearray(answer)
-                answer[self.REQUEST_ID_AT] = data[8:16]
-                bus.publish("SSV_PLAN", bytes(answer))
+                answer[answered_at:answered_at + 8] = data[asked_at:asked_at + 8]
+                bus.publish(answer_channel, bytes(answer))
 
-        bus.subscribe("SSV_SCENARIO", reply)
+        bus.subscribe(ask_channel, reply)
 
         def serve():
             while not stop.is_set():
@@ -612,42 +771,64 @@ class HostileAnswerTest(InFolder):
         thread = threading.Thread(target=serve)
         thread.start()
         try:
-            return ssv("plan", PAPER_CASE, f"--lcm={URL}", "--timeout", "1", "--format", "json")
+            return ssv(command, PAPER_CASE, f"--lcm={URL}", "--timeout", "1", "--format", "json")
         finally:
             stop.set()
             thread.join()
 
-    def test_messages_that_are_no_plan_are_passed_over(self):
-        def patched(at, data):
-            return self.good[:at] + data + self.good[at + len(data):]
-
-        foreign = [
-            b"\0" * 36,
-            patched(0, b"\1" * 8),
-            patched(8, b"\x7f\xff\xff\xff"),  # more legs than memory
-            patched(12, b"\xff\xff\xff\xff"),  # fewer than no segments
-            patched(20, b"\x7f\xff\xff\xff"),  # more candidates than memory
-            patched(24, b"\0\0\0\x19"),  # one point of a front too many
-            patched(53, b"\0\0\0\0"),  # a reason without even its terminator
-            patched(53, b"\x7f\xff\xff\xff"),  # a reason longer than the message
-            patched(57, b"X"),  # a reason without its terminator
-            *(self.good[:length] for length in range(36, len(self.good), 97)),
-        ]
-        done = self.ask_with_answers(foreign)
+    def assert_passed_over(self, command, foreign):
+        done = self.ask_with_answers(command, foreign)
         self.assertEqual(done.returncode, 4, done)
         self.assertIn("another version", done.stderr)
-        done = self.ask_with_answers(foreign[:10] + [self.good])
+        done = self.ask_with_answers(command, foreign[:12] + [self.good[command]])
         self.assertEqual(done.returncode, 0, done)
 
-    def test_a_damaged_plan_does_not_crash_the_asker(self):
+    def patched(self, command, at, data):
+        return self.good[command][:at] + data + self.good[command][at + len(data):]
+
+    def foreign_quotes(self, command, quote_at):
+        """Answers with a quote that is none, by where the quote stands."""
+        reason_at = quote_at + 33
+        return [
+            self.patched(command, 0, b"\1" * 8),
+            self.patched(command, quote_at, b"\x7f\xff\xff\xff"),  # more candidates than memory
+            self.patched(command, quote_at, b"\xff\xff\xff\xff"),  # fewer than no candidates
+            self.patched(command, quote_at + 4, b"\0\0\0\x19"),  # one point of a front too many
+            self.patched(command, reason_at, b"\0\0\0\0"),  # a reason without even its terminator
+            self.patched(command, reason_at, b"\x7f\xff\xff\xff"),  # a reason longer than the message
+            self.patched(command, reason_at + 4, b"X"),  # a reason without its terminator
+            self.good[command] + b"\0",
+            *(self.good[command][:length] for length in range(36, len(self.good[command]), 97)),
+        ]
+
+    def test_messages_that_are_no_plan_are_passed_over(self):
+        self.assert_passed_over("plan", [
+            b"\0" * 36,
+            self.patched("plan", 8, b"\x7f\xff\xff\xff"),  # more legs than memory
+            self.patched("plan", 12, b"\xff\xff\xff\xff"),  # fewer than no segments
+            *self.foreign_quotes("plan", 20),
+        ])
+
+    def test_messages_that_are_no_quotes_for_as_many_tasks_as_asked_are_passed_over(self):
+        two = self.patched("quote", 8, b"\0\0\0\2") + self.good["quote"][28:]
+        self.assert_passed_over("quote", [
+            two,
+            self.patched("quote", 8, b"\0\0\0\0")[:28],
+            self.patched("quote", 8, b"\xff\xff\xff\xff"),
+            self.patched("quote", 8, b"\x7f\xff\xff\xff"),
+            *self.foreign_quotes("quote", 28),
+        ])
+
+    def test_a_damaged_answer_does_not_crash_the_asker(self):
         seed = 20240607
         chance = random.Random(seed)
-        for case in range(40):
-            damaged = bytearray(self.good)
+        for case in range(60):
+            command = ("plan", "quote")[case % 2]
+            damaged = bytearray(self.good[command])
             for _ in range(chance.choice([1, 4, 64])):
-                damaged[chance.randrange(36, len(damaged))] = chance.randrange(256)
-            with self.subTest(f"seed {seed} case {case}"):
-                self.assertIn(self.ask_with_answers([damaged]).returncode, (0, 1, 2, 3, 4))
+                damaged[chance.randrange(8, len(damaged))] = chance.randrange(256)
+            with self.subTest(f"{command}: seed {seed} case {case}"):
+                self.assertIn(self.ask_with_answers(command, [damaged]).returncode, (0, 1, 2, 3, 4))
 
 
 if __name__ == "__main__":

@@ -27,6 +27,7 @@ SEED = int(os.environ.get("SSV_SEED", "20250801"))
 DEADLINE_S = 60  # generous: reached only when something is broken
 RESEND_S = 5  # UDP may lose a datagram on a busy machine; askers ask again
 SCENARIO, PLAN, STATUS = "SSV_SCENARIO", "SSV_PLAN", "SSV_PLANNER_STATUS"
+BATCH, QUOTES = "SSV_SCENARIO_BATCH", "SSV_QUOTE_BATCH"
 OK, INFEASIBLE, INVALID = ssv.quote_t.STATUS_OK, ssv.quote_t.STATUS_INFEASIBLE, ssv.quote_t.STATUS_INVALID
 NEWEST_US = 2**63 - 1  # no epoch is newer, so junk that happens to be a scenario cannot make this one stale
 
@@ -63,6 +64,12 @@ def question(request_id, epoch_us=0):
     return q
 
 
+def batch(request_id, scenarios, epoch_us=0):
+    b = ssv.scenario_batch_t()
+    b.request_id, b.epoch_us, b.num_scenarios, b.scenarios = request_id, epoch_us, len(scenarios), scenarios
+    return b
+
+
 def changed(q, path, value):
     """A copy of q with one field changed: "vehicle.thruster.2.n_T_S.0"."""
     q = copy.deepcopy(q)
@@ -83,10 +90,11 @@ class Daemon:
     def __init__(self, *options):
         self.port = free_port()
         self.url = f"udpm://{GROUP}:{self.port}?ttl=0"
-        self.answers = {}  # request id -> encoded answers, in order of arrival
+        self.answers = {}  # request id -> encoded plans, in order of arrival
+        self.quotes = {}  # likewise of batches
         self.statuses = []
         self.lcm = lcm.LCM(self.url)
-        for channel, handler in ((PLAN, self._on_plan), (STATUS, self._on_status)):
+        for channel, handler in ((PLAN, self._on_plan), (QUOTES, self._on_quotes), (STATUS, self._on_status)):
             self.lcm.subscribe(channel, handler).set_queue_capacity(20000)
         self.log = tempfile.TemporaryFile("w+")
         self.process = subprocess.Popen([DAEMON, "--lcm-url", self.url, *options], stderr=self.log)
@@ -111,6 +119,9 @@ class Daemon:
     def _on_plan(self, _channel, data):
         self.answers.setdefault(struct.unpack_from(">q", data, 28)[0], []).append(data)
 
+    def _on_quotes(self, _channel, data):
+        self.quotes.setdefault(struct.unpack_from(">q", data, 12)[0], []).append(data)
+
     def _on_status(self, _channel, data):
         self.statuses.append(ssv.planner_status_t.decode(data))
 
@@ -133,25 +144,28 @@ class Daemon:
         return self.statuses[-1]
 
     def send(self, q):
-        self.lcm.publish(SCENARIO, q.encode())
+        self.lcm.publish(BATCH if isinstance(q, ssv.scenario_batch_t) else SCENARIO, q.encode())
+
+    def answers_to(self, q):
+        return (self.quotes if isinstance(q, ssv.scenario_batch_t) else self.answers).get(q.request_id, [])
 
     def ask_all(self, questions):
         """Sends them in one burst, and those without an answer again. @return the answers, in order."""
-        ids = [q.request_id for q in questions]
-        before = {i: len(self.answers.get(i, [])) for i in ids}
+        before = [len(self.answers_to(q)) for q in questions]
         end = time.monotonic() + DEADLINE_S
-        missing = questions
+        missing = list(zip(questions, before))
         while missing:
             if time.monotonic() > end or self.process.poll() is not None:
-                raise AssertionError(f"no answer to {[q.request_id for q in missing][:5]}... (exit code "
+                raise AssertionError(f"no answer to {[q.request_id for q, _ in missing][:5]}... (exit code "
                                      f"{self.process.poll()}). The log ends:\n" + self.said()[-3000:])
-            for q in missing:
+            for q, _ in missing:
                 self.send(q)
             resend = time.monotonic() + RESEND_S
             while time.monotonic() < resend and self.process.poll() is None and missing:
                 self.lcm.handle_timeout(100)
-                missing = [q for q in missing if len(self.answers.get(q.request_id, [])) == before[q.request_id]]
-        return [ssv.plan_t.decode(self.answers[i][-1]) for i in ids]
+                missing = [(q, count) for q, count in missing if len(self.answers_to(q)) == count]
+        return [(ssv.quote_batch_t if isinstance(q, ssv.scenario_batch_t) else ssv.plan_t).decode(self.answers_to(q)[-1])
+                for q in questions]
 
     def ask(self, q):
         return self.ask_all([q])[0]
@@ -409,6 +423,165 @@ class InvalidScenarios(DaemonTest):
         self.assertEqual(self.start().ask(changed(q, "options.attach_heights_m", [NAN] * 8)).quote.status, OK)
 
 
+def unlike():
+    """16 questions of which no two have the same answer."""
+    every_height = [round(-1.524 + k * 3.048 / 7, 3) for k in range(8)]
+    for i in range(16):
+        q = changed(question(i, i), "X_IS.p_m", [-0.3 * i, 0.2 * i, 0.1 * i])
+        q = changed(q, "weight_impulse_per_Ns", (0, 0.1, 1, 10)[i % 4])
+        q = changed(q, "options.method", i % 3 == 2)
+        q = changed(q, "options.effort", i % 5 == 4)
+        q = changed(q, "options.want_candidates", i % 2 == 1)
+        q = changed(q, "options.want_front", i % 4 >= 2)
+        if i % 4 == 3:
+            q = changed(changed(q, "contact", 0), "options.ring_angle_given", False)
+            q = changed(changed(q, "options.num_attach_heights", 8), "options.attach_heights_m", every_height)
+        yield q
+
+
+class Batches(DaemonTest):
+    def test_each_scenario_of_a_batch_gets_the_quote_that_its_plan_has_to_the_last_bit_in_the_order_asked(self):
+        daemon = self.start()
+        scenarios = list(unlike())
+        answer = daemon.ask(batch(1000, scenarios, 16))
+        plans = daemon.ask_all([changed(q, "epoch_us", 16) for q in scenarios])
+        self.assertEqual((answer.request_id, answer.epoch_us, answer.num_quotes), (1000, 16, 16))
+        self.assertEqual(len({quote.cost for quote in answer.quotes}), 16)
+        for i, (quote, plan) in enumerate(zip(answer.quotes, plans)):
+            with self.subTest(i):
+                self.assertEqual((quote.status, quote.request_id, quote.epoch_us), (OK, i, i))
+                quote.epoch_us = 16
+                self.assertEqual(quote.encode(), plan.quote.encode())
+
+    def test_a_batch_of_one_is_a_cost_only_query(self):
+        answer = self.start().ask(batch(7, [question(5)]))
+        self.assertEqual([(quote.request_id, quote.status) for quote in answer.quotes], [(5, OK)])
+
+    def test_candidates_and_front_come_only_on_request(self):
+        daemon = self.start()
+        for candidates in (False, True):
+            for front in (False, True):
+                q = changed(changed(question(5), "options.want_candidates", candidates), "options.want_front", front)
+                quote = daemon.ask(batch(2 * candidates + front, [q])).quotes[0]
+                self.assertEqual(quote.num_candidates, 3 if candidates else 0)
+                self.assertEqual(quote.num_front > 0, front)
+                if candidates:
+                    self.assertEqual(min(c.cost for c in quote.candidates), quote.cost)
+
+    def test_no_point_of_a_front_is_better_than_another_in_both_and_one_is_as_good_as_the_quote(self):
+        daemon = self.start()
+        for i, q in enumerate(changed(q, "options.want_front", True) for q in unlike()):
+            quote = daemon.ask(batch(i, [q])).quotes[0]
+            with self.subTest(i):
+                self.assertGreater(quote.num_front, 0)
+                for one, next_one in zip(quote.front, quote.front[1:]):
+                    self.assertLess(one.time_s, next_one.time_s)
+                    self.assertGreater(one.impulse_Ns, next_one.impulse_Ns)
+                self.assertTrue(any(p.time_s <= quote.time_s and p.impulse_Ns <= quote.impulse_Ns for p in quote.front))
+                for p in quote.front:
+                    cost = q.weight_time_per_s * p.time_s + q.weight_impulse_per_Ns * p.impulse_Ns
+                    self.assertAlmostEqual(p.cost, cost, delta=1e-12 * cost)
+                    self.assertGreaterEqual(p.cost, quote.cost_lower_bound)
+
+    def test_a_bad_scenario_is_named_and_leaves_the_others_alone(self):
+        daemon = self.start()
+        bad = [changed(question(1), "standoff_m", NAN), changed(question(2), "X_IS.p_m", [-900, 0, 0]),
+               changed(question(3), "vehicle.thruster.2.n_T_S", [0, 0.5, 0])]
+        answer = daemon.ask(batch(1, [question(0), bad[0], question(4), bad[1], bad[2], question(5)]))
+        alone = daemon.ask_all([question(10), *bad])
+        self.assertEqual([quote.status for quote in answer.quotes], [OK, INVALID, OK, INFEASIBLE, INVALID, OK])
+        self.assertEqual([answer.quotes[i].cost for i in (0, 2, 5)], [alone[0].quote.cost] * 3)
+        for i, plan in zip((1, 3, 4), alone[1:]):
+            self.assertEqual(answer.quotes[i].encode(), plan.quote.encode())
+        status = daemon.next_status()
+        self.assertEqual((status.batches, status.quoted, status.accepted), (1, 3, 1))
+        self.assertEqual((status.infeasible, status.rejected_not_finite, status.rejected_not_unit), (2, 2, 2))
+        said = daemon.said()
+        self.assertRegex(said, r"(?m) INFO  batch 1, scenario 1: invalid: standoff_m: nan is not a finite number$")
+        self.assertRegex(said, r"(?m) INFO  batch 1: 3 of 6 scenarios ok, \d+ bytes, priced in .* ms$")
+
+    def test_the_longest_answers_fit_one_datagram(self):
+        daemon = self.start()
+        q = changed(changed(question(1), "contact", 0), "options.num_attach_heights", 8)
+        q = changed(q, "options.attach_heights_m", [-1.52345678 + 1e-8 * k for k in range(8)])
+        q = changed(changed(q, "options.want_candidates", True), "options.want_front", True)
+        far = changed(q, "X_IS.p_m", [-900, 0, 0])
+        for number, scenario, status in ((1, q, OK), (2, far, INFEASIBLE)):
+            answer = daemon.ask(batch(number, [scenario] * 16))
+            self.assertEqual({(quote.status, quote.num_candidates) for quote in answer.quotes}, {(status, 16)})
+            self.assertLess(len(daemon.quotes[number][0]), 54_000)
+            print(f"a batch of 16 with status {status} takes {len(daemon.quotes[number][0])} bytes", flush=True)
+        self.assertTrue(answer.quotes[0].reason.endswith(answer.quotes[0].candidates[-1].reason))  # not cut
+
+    def test_a_repeated_batch_gets_the_same_bytes_and_its_id_is_none_of_a_scenario(self):
+        daemon = self.start()
+        daemon.ask(question(1))
+        daemon.ask(batch(1, [question(1), question(2)]))
+        daemon.ask(batch(1, [question(3)], 99))  # the id decides, not what comes with it
+        daemon.ask(question(1))
+        self.assertEqual((len(set(daemon.quotes[1])), len(set(daemon.answers[1]))), (1, 1))
+        status = daemon.next_status()
+        self.assertEqual((status.accepted, status.batches, status.quoted), (1, 1, 2))
+        self.assertEqual(status.repeated, status.received - 2)
+        self.assertEqual(daemon.ask(question(2)).quote.status, OK)  # 99 came with a repeated id and did not count
+
+    def test_every_batch_of_a_burst_is_answered_exactly_once_among_scenarios(self):
+        daemon = self.start()
+        daemon.ask_all([make(i) for i in range(30) for make in (question, lambda i: batch(i, [question(0), question(1)]))])
+        status = daemon.next_status()
+        self.assertEqual((status.accepted, status.batches, status.quoted), (30, 30, 60))
+        self.assertTrue(all(len(set(a)) == 1 for answers in (daemon.answers, daemon.quotes) for a in answers.values()))
+
+    def test_epochs_of_batches_and_scenarios_are_one_order_and_those_within_a_batch_mean_nothing(self):
+        daemon = self.start()
+        self.assertEqual(daemon.ask(batch(1, [question(0, -5), question(1, NEWEST_US)], 1000)).quotes[0].status, OK)
+        self.assertIn("999 is older than 1000", daemon.ask(question(2, 999)).quote.reason)
+        self.assertEqual(daemon.ask(question(3, 2000)).quote.status, OK)
+        stale = daemon.ask(batch(4, [question(0), question(1)], 1999))
+        self.assertEqual([quote.status for quote in stale.quotes], [INVALID] * 2)
+        self.assertIn("1999 is older than 2000", stale.quotes[1].reason)
+        bad = changed(question(0), "contact", 77)
+        self.assertEqual(daemon.ask(batch(5, [bad, bad], NEWEST_US)).quotes[0].status, INVALID)
+        self.assertEqual(daemon.ask(batch(6, [bad, question(1)], 3000)).quotes[1].status, OK)
+        self.assertIn("2999 is older than 3000", daemon.ask(question(7, 2999)).quote.reason)
+        negative = daemon.ask(batch(8, [question(0), question(1)], -1))
+        self.assertTrue(all(quote.reason.startswith("epoch_us: -1 is negative") for quote in negative.quotes))
+        self.assertEqual(daemon.next_status().rejected_stale_epoch, 4)
+
+    def test_what_is_no_batch_through_and_through_is_refused_without_harm(self):
+        daemon = self.start()
+        good = batch(1, [question(0), question(1)]).encode()
+        counted = lambda count: good[:8] + struct.pack(">i", count) + good[12:]
+        whole = lambda count: counted(count) + (count - 2) * question(0).encode()[8:]
+        rng = random.Random(SEED)
+        malformed = [counted(count) for count in (0, 1, 3, 16, 17, -1, -2**31, 2**31 - 1)]
+        malformed += [whole(17), whole(60), counted(0)[:28], question(0).encode(), b"", rng.randbytes(1594)]
+        malformed += [good[:length] for length in range(0, len(good), 61)] + [good + b"\0", rng.randbytes(8) + good[8:]]
+        malformed += [good[:8] + rng.randbytes(rng.randrange(3000)) for _ in range(200)]
+        for channel, data in [(BATCH, data) for data in malformed] + [(SCENARIO, good)]:
+            daemon.lcm.publish(channel, data)
+            daemon.ask(question(0))  # so that no datagram is lost for lack of room
+        self.assertEqual(daemon.next_status().rejected_undecodable, len(malformed) + 1)
+        self.assertEqual(daemon.quotes, {})
+        self.assert_alive(daemon)
+
+    def test_the_sign_of_life_does_not_wait_for_a_long_batch(self):
+        daemon = self.start()
+        q = changed(changed(changed(question(0), "contact", 0), "options.effort", 1), "options.want_front", True)
+        q = changed(changed(q, "options.num_attach_heights", 8), "options.attach_heights_m", [0.1 * k for k in range(8)])
+        seen = len(daemon.statuses)
+        start = time.monotonic()
+        daemon.ask(batch(1, [q] * 4))
+        took_s = time.monotonic() - start
+        longest_us = max((b.uptime_us - a.uptime_us for a, b in zip(daemon.statuses[seen - 1:], daemon.statuses[seen:])),
+                         default=0)
+        status = daemon.next_status()
+        print(f"a batch of 4 fronts by effort best takes {took_s:.1f} s, one of them {status.worst_quote_us / 1e6:.2f} s; "
+              f"status every {longest_us / 1e6:.2f} s at most", flush=True)
+        self.assertLess(longest_us, 1e6 + status.worst_quote_us + 0.5e6)
+        self.assertGreater(status.worst_quote_us, 0)
+
+
 class Junk(DaemonTest):
     """Every 50 datagrams a stored answer is asked for. The transport keeps the order, so when it comes, they were read."""
 
@@ -434,7 +607,8 @@ class Junk(DaemonTest):
     def junk(self, count):
         r = self.random
         good = question(r.getrandbits(62)).encode()
-        named = SCENARIO.encode() + b"\0"
+        good_batch = batch(r.getrandbits(62), [question(1), question(2)]).encode()
+        named, named_batch = SCENARIO.encode() + b"\0", BATCH.encode() + b"\0"
         short = lambda name, payload: struct.pack(">II", SHORT_MAGIC, r.getrandbits(32)) + name + payload
         kinds = (
             lambda: r.randbytes(r.randrange(0, 1400)),
@@ -447,6 +621,9 @@ class Junk(DaemonTest):
             lambda: short(r.randbytes(r.randrange(0, 100)), good),  # channel names of any bytes and length
             lambda: short(b"A" * r.randrange(60, 70) + r.choice((b"", b"\0")), good),
             lambda: short(named, b""),
+            lambda: short(named_batch, r.randbytes(8) + good_batch[8:]),
+            lambda: short(named_batch, self.flipped(good_batch[:28]) + good_batch[28:]),
+            lambda: short(named_batch, good_batch)[:r.randrange(len(short(named_batch, good_batch)))],
             lambda: self.fragment(named + good),
             lambda: self.fragment(r.randbytes(900)),
         )
@@ -548,10 +725,10 @@ class Process(DaemonTest):
             daemon.process.send_signal(number)
             self.assertEqual(daemon.process.wait(DEADLINE_S), 0)
 
-    def assert_sigterm_ends_it_under_a_flood(self, payload, flooded):
+    def assert_sigterm_ends_it_under_a_flood(self, payload, flooded, channel=SCENARIO):
         daemon = self.start()
         stop = threading.Event()
-        head = struct.pack(">II", SHORT_MAGIC, 0) + SCENARIO.encode() + b"\0"
+        head = struct.pack(">II", SHORT_MAGIC, 0) + channel.encode() + b"\0"
 
         def flood():
             with daemon.raw_sender() as raw:
@@ -576,6 +753,11 @@ class Process(DaemonTest):
         good = question(0).encode()
         self.assert_sigterm_ends_it_under_a_flood(lambda i: good[:8] + struct.pack(">q", i) + good[16:],
                                                   lambda status: status.accepted > 20)
+
+    def test_sigterm_ends_it_while_batches_pour_in(self):
+        good = batch(0, [question(0)] * 16).encode()
+        self.assert_sigterm_ends_it_under_a_flood(lambda i: good[:12] + struct.pack(">q", i) + good[20:],
+                                                  lambda status: status.batches > 5, BATCH)
 
     def test_sigterm_ends_it_while_junk_pours_in(self):
         self.assert_sigterm_ends_it_under_a_flood(lambda i: b"junk", lambda status: status.rejected_undecodable > 1000)
