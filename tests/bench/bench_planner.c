@@ -279,8 +279,8 @@ static void measure_scenarios(row_t* rows, int count) {
 static void report_scenarios(report_t* report, row_t* rows, int count) {
     double worst_plan_ms[NUM_WAYS] = {0}, worst_bound_ns = 0;
     report_section(report, "scenarios",
-                   "Scenarios of host/scenarios: times of a plan and of its price in process, of the round trip over LCM, and "
-                   "of the lower bound.\nplan x loop: in units of the calibration loop of 100000 dependent roots and "
+                   "Scenarios of host/scenarios: times of a plan and of its price in process, of the round trip over LCM, "
+                   "and of the lower bound.\nplan x loop: in units of the calibration loop of 100000 dependent roots and "
                    "quotients, to compare machines, or versions on a machine whose speed varies");
     for (int i = 0; i < count; i++) {
         row_t* row = &rows[i];
@@ -503,8 +503,8 @@ static void report_euler(report_t* report) {
 
 static void report_case_study(report_t* report) {
     report_section(report, "case_study",
-                   "J on the case study, standoff 0.3025 m; what coupled motion is known to reach with model paper, and J over "
-                   "it");
+                   "J on the case study, standoff 0.3025 m; what coupled motion is known to reach with model paper, and J "
+                   "over it");
     for (int ease = 0; ease < 2; ease++) {
         for (int w = 0; w < NUM_WEIGHTS; w++) {
             ssv_scenario_t scenario = task_case_study(ease == 1);

@@ -16,6 +16,18 @@ static ssv_status_t plan_of(const ssv_scenario_t* s, ssv_plan_t* p) {
     return ssv_plan(&problem, p);
 }
 
+static ssv_status_t quote_of(const ssv_scenario_t* s, ssv_quote_t* quote) {
+    ssv_fault_t fault;
+    TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, s, &fault));
+    return ssv_quote(&problem, quote);
+}
+
+static ssv_status_t front_of(const ssv_scenario_t* s, ssv_front_t* front) {
+    ssv_fault_t fault;
+    TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, s, &fault));
+    return ssv_front(&problem, front);
+}
+
 static void test_plan_of_the_case_study_has_the_papers_four_legs_and_two_events(void) {
     const ssv_scenario_t s = task_case_study(false);
     TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
@@ -138,6 +150,57 @@ static void test_plan_that_would_take_too_long_is_infeasible_with_a_reason_for_e
     TEST_ASSERT_TRUE(plan.plan_hash == 0 && plan.quote.scenario_hash == ssv_scenario_hash(&s));
 }
 
+static void test_quote_lists_candidates_only_when_asked_and_prices_the_same_either_way(void) {
+    for (int method = SSV_METHOD_OPTIMAL; method <= SSV_METHOD_PAPER; method++) {
+        ssv_scenario_t s = task_case_study(true);
+        ssv_quote_t with, without;
+        s.method = (ssv_method_t)method;
+        TEST_ASSERT_EQUAL_INT(SSV_OK, quote_of(&s, &with));
+        s.want_candidates = false;
+        TEST_ASSERT_EQUAL_INT(SSV_OK, quote_of(&s, &without));
+        TEST_ASSERT_EQUAL_INT(3, with.num_candidates);
+        TEST_ASSERT_EQUAL_INT(0, without.num_candidates);
+        TEST_ASSERT_TRUE(with.cost == without.cost && with.time_s == without.time_s);
+        TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
+        TEST_ASSERT_TRUE(plan.quote.cost == without.cost && plan.quote.lower_bound == without.lower_bound);
+    }
+}
+
+static void test_front_of_the_case_study_serves_a_scheduler_that_changes_its_weights(void) {
+    static const double weights[][2] = {{1, 0}, {0, 1}, {1, 1}};
+    ssv_scenario_t s = task_case_study(false);
+    ssv_front_t front;
+    s.method = SSV_METHOD_OPTIMAL;
+    TEST_ASSERT_EQUAL_INT(SSV_OK, front_of(&s, &front));
+    for (int k = 0; k < 3; k++) {
+        ssv_quote_t quote;
+        double least = (double)INFINITY;
+        s.weight_time_per_s = real_from_double(weights[k][0]);
+        s.weight_impulse_per_Ns = real_from_double(weights[k][1]);
+        TEST_ASSERT_EQUAL_INT(SSV_OK, quote_of(&s, &quote));
+        for (int n = 0; n < front.num_points; n++) {
+            const ssv_candidate_t* point = &front.point[n];
+            const double time_s = real_to_double(point->time_s), impulse_Ns = real_to_double(point->impulse_Ns);
+            least = fmin(least, weights[k][0] * time_s + weights[k][1] * impulse_Ns);
+        }
+        TEST_ASSERT_TRUE(least <= real_to_double(quote.cost) * (1 + 1e-12)); // all three are rungs of its ladder
+    }
+}
+
+static void test_quote_and_front_of_an_infeasible_task_say_so(void) {
+    ssv_scenario_t s = task_case_study(true);
+    ssv_quote_t quote;
+    ssv_front_t front;
+    s.vehicle.force_max_N = real_from_double(0.01);
+    s.want_candidates = false;
+    TEST_ASSERT_EQUAL_INT(SSV_INFEASIBLE, quote_of(&s, &quote));
+    TEST_ASSERT_EQUAL_INT(3, quote.num_candidates); // the reasons, asked for or not
+    for (int k = 0; k < 3; k++) TEST_ASSERT_EQUAL_INT(SSV_TOO_LONG, quote.candidate[k].outcome);
+    TEST_ASSERT_TRUE(quote.cost == 0 && quote.time_s == 0 && quote.scenario_hash == ssv_scenario_hash(&s));
+    TEST_ASSERT_EQUAL_INT(SSV_INFEASIBLE, front_of(&s, &front));
+    TEST_ASSERT_EQUAL_INT(0, front.num_points);
+}
+
 static void test_same_question_gets_the_same_plan_and_another_question_another_hash(void) {
     ssv_scenario_t s = task_case_study(true);
     plan_of(&s, &plan);
@@ -162,6 +225,9 @@ int main(void) {
     RUN_TEST(test_sample_rests_before_the_start_and_after_the_end);
     RUN_TEST(test_task_that_is_done_already_costs_nothing);
     RUN_TEST(test_plan_that_would_take_too_long_is_infeasible_with_a_reason_for_each_candidate);
+    RUN_TEST(test_quote_lists_candidates_only_when_asked_and_prices_the_same_either_way);
+    RUN_TEST(test_front_of_the_case_study_serves_a_scheduler_that_changes_its_weights);
+    RUN_TEST(test_quote_and_front_of_an_infeasible_task_say_so);
     RUN_TEST(test_same_question_gets_the_same_plan_and_another_question_another_hash);
     return UNITY_END();
 }
