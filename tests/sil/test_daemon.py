@@ -573,9 +573,8 @@ class Batches(DaemonTest):
         start = time.monotonic()
         daemon.ask(batch(1, [q] * 4))
         took_s = time.monotonic() - start
-        longest_us = max((b.uptime_us - a.uptime_us for a, b in zip(daemon.statuses[seen - 1:], daemon.statuses[seen:])),
-                         default=0)
         status = daemon.next_status()
+        longest_us = max(b.uptime_us - a.uptime_us for a, b in zip(daemon.statuses[seen - 1:], daemon.statuses[seen:]))
         print(f"a batch of 4 fronts by effort best takes {took_s:.1f} s, one of them {status.worst_quote_us / 1e6:.2f} s; "
               f"status every {longest_us / 1e6:.2f} s at most", flush=True)
         self.assertLess(longest_us, 1e6 + status.worst_quote_us + 0.5e6)

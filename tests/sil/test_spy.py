@@ -28,6 +28,7 @@ PROBE_CLASS_PATH = os.environ["SSV_PROBE_CLASS_PATH"]
 
 DEADLINE_S = 60  # generous: reached only when something is broken
 STATUS, PLAN, SCENARIO = "SSV_PLANNER_STATUS", "SSV_PLAN", "SSV_SCENARIO"
+BATCH, QUOTES = "SSV_SCENARIO_BATCH", "SSV_QUOTE_BATCH"
 
 
 def free_url():
@@ -141,6 +142,32 @@ class WatchingThePlanner(unittest.TestCase):
 
         self.assertEqual((after["scenario_type_hash"], after["plan_type_hash"], after["planner_status_type_hash"]),
                          (scenario["type_hash"], plan["type_hash"], status_after["type_hash"]))
+
+    def test_lcm_spy_shows_batches_and_their_quotes(self):
+        probe = Probe(self, self.url, f"{PROBE_CLASS_PATH}:{TYPES_JAR}")
+        start_planner(self, self.url)
+        files = sorted((SOURCE / "host/scenarios").glob("*.yaml"))
+        asked = subprocess.run([BIN / "ssv", "quote", *files, f"--lcm={self.url}", "--candidates", "--front", "--format",
+                                "json"], capture_output=True, text=True, timeout=DEADLINE_S)
+        self.assertEqual(asked.returncode, 0, asked.stderr)
+        received = json.loads(asked.stdout)["quotes"]
+
+        batch = probe.wait_for("the batch", lambda m: m["channel"] == BATCH)
+        self.assertEqual((batch["type"], batch["fields"]["num_scenarios"]), ("ssv.scenario_batch_t", len(files)))
+        for scenario, quote in zip(batch["fields"]["scenarios"], received):
+            self.assertEqual(pose(scenario["X_IS"]), quote["scenario"]["X_IS"])
+        answer = probe.wait_for("the quotes", lambda m: m["channel"] == QUOTES)
+        self.assertEqual((answer["type"], answer["fields"]["num_quotes"]), ("ssv.quote_batch_t", len(files)))
+        for wire, quote in zip(answer["fields"]["quotes"], received):
+            self.assertEqual((wire["cost"], wire["cost_lower_bound"]), (quote["cost"]["J"], quote["cost"]["J_lower_bound"]))
+            named = [renamed(candidate, contact="beam_contact", cost="J") for candidate in wire["candidates"]]
+            self.assertEqual(named, quote["candidates"])
+            self.assertEqual([(point["time_s"], point["impulse_Ns"]) for point in wire["front"]],
+                             [(point["time_s"], point["impulse_Ns"]) for point in quote["front"]])
+        status = probe.wait_for("that the batch was priced", lambda m: m["channel"] == STATUS and m["fields"]["batches"] > 0)
+        self.assertEqual((status["fields"]["batches"], status["fields"]["quoted"]), (1, len(files)))
+        self.assertEqual((status["fields"]["scenario_batch_type_hash"], status["fields"]["quote_batch_type_hash"]),
+                         (batch["type_hash"], answer["type_hash"]))
 
     def test_without_the_jar_lcm_spy_does_not_know_the_type(self):
         probe = Probe(self, self.url, PROBE_CLASS_PATH)
