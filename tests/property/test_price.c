@@ -187,7 +187,13 @@ static void compare_quote_with_plan(int k, void* result) {
     *outcome = DIFFERENT;
     if (ssv_problem_init(&problem, &s, &fault) != SSV_OK || ssv_plan(&problem, &plan) != ssv_quote(&problem, &quote)) return;
     bool by_paper = true;
-    for (int n = 0; n < plan.num_legs; n++) by_paper = by_paper && plan.leg[n].ramp != SSV_OPTIMAL;
+    double time_s = 0, impulse_Ns = 0; // of what is flown, leg by leg
+    for (int n = 0; n < plan.num_legs; n++) {
+        by_paper = by_paper && plan.leg[n].ramp != SSV_OPTIMAL;
+        time_s += plan.leg[n].duration_s;
+        impulse_Ns += plan.leg[n].impulse_Ns;
+    }
+    if (time_s != plan.quote.time_s || impulse_Ns != plan.quote.impulse_Ns) return;
     *outcome = same_price(&plan.quote, &quote) ? AS_QUOTED : by_paper ? BY_PAPER : DIFFERENT;
 }
 
