@@ -15,7 +15,7 @@
 #define SCENARIO_FILE_SIZE_MAX (1 << 20)
 
 /// The method of a scenario that names none.
-#define SCENARIO_METHOD_DEFAULT "paper"
+#define SCENARIO_METHOD_DEFAULT "optimal"
 /// Likewise its effort.
 #define SCENARIO_EFFORT_DEFAULT "quick"
 

@@ -750,7 +750,7 @@ class HostileAnswerTest(InFolder):
                 if done.returncode != 0 or bus.handle_timeout(20000) <= 0:
                     raise AssertionError(done)
 
-    def ask_with_answers(self, command, answers):
+    def ask_with_answers(self, command, answers, timeout_s=1):
         """Runs ssv against a stand-in planner that answers every question with all of these, its request id put in."""
         ask_channel, asked_at, answer_channel, answered_at = self.KINDS[command]
         bus = lcm.LCM(URL)
@@ -771,7 +771,7 @@ class HostileAnswerTest(InFolder):
         thread = threading.Thread(target=serve)
         thread.start()
         try:
-            return ssv(command, PAPER_CASE, f"--lcm={URL}", "--timeout", "1", "--format", "json")
+            return ssv(command, PAPER_CASE, f"--lcm={URL}", "--timeout", str(timeout_s), "--format", "json")
         finally:
             stop.set()
             thread.join()
@@ -822,13 +822,13 @@ class HostileAnswerTest(InFolder):
     def test_a_damaged_answer_does_not_crash_the_asker(self):
         seed = 20240607
         chance = random.Random(seed)
-        for case in range(60):
+        for case in range(40):
             command = ("plan", "quote")[case % 2]
             damaged = bytearray(self.good[command])
             for _ in range(chance.choice([1, 4, 64])):
                 damaged[chance.randrange(8, len(damaged))] = chance.randrange(256)
             with self.subTest(f"{command}: seed {seed} case {case}"):
-                self.assertIn(self.ask_with_answers(command, [damaged]).returncode, (0, 1, 2, 3, 4))
+                self.assertIn(self.ask_with_answers(command, [damaged], 0.3).returncode, (0, 1, 2, 3, 4))
 
 
 if __name__ == "__main__":
