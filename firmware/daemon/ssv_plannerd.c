@@ -159,7 +159,7 @@ static void on_question(const lcm_recv_buf_t* datagram, const char* channel, voi
     self->pending_count++;
 }
 
-/// Moves what liblcm holds into our ring. Bounded also where nothing stays in the ring: datagrams that are not scenarios may
+/// Moves what liblcm holds into our ring. Bounded also where nothing stays in the ring: datagrams that are no questions may
 /// come faster than they go. @return false when the transport is gone.
 static bool drain(plannerd_t* self) {
     int handled = 1;

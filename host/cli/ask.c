@@ -196,7 +196,8 @@ static bool ask(const char* url, double timeout_s, const uint8_t* message, unsig
                  " (%d messages on %s are of another type: is the planner of another version?)", wait->foreign,
                  wait->answer_channel);
     }
-    snprintf(error, error_size, "nobody answered on %s within %g s%s; start ssv-plannerd there, or ask without --lcm",
+    snprintf(error, error_size, "nobody answered on %s within %g s%s; start ssv-plannerd there, give it more time "
+             "with --timeout, or ask without --lcm",
              url_in_use(url), timeout_s, foreign);
     return false;
 }

@@ -34,7 +34,7 @@ typedef struct {
     lcm_ssv_candidate_t front[SSV_MAX_FRONT];
 } ssv_quote_parts_t;
 
-/// Memory for one answer: caller-owned, some 54 kB, best static. `wire` points into the rest, so the struct must not be
+/// Memory for one answer: caller-owned, some 53 kB, best static. `wire` points into the rest, so the struct must not be
 /// copied or freed while wire is in use.
 typedef struct {
     lcm_ssv_plan_t wire;          ///< the answer, ready to encode
@@ -45,7 +45,7 @@ typedef struct {
     lcm_ssv_event_t events[SSV_MAX_EVENTS];
 } ssv_answer_t;
 
-/// Memory for the answer to one batch: some 64 kB, likewise.
+/// Memory for the answer to one batch: some 63 kB, likewise.
 typedef struct {
     lcm_ssv_quote_batch_t wire;   ///< the answer, ready to encode
     lcm_ssv_quote_t quotes[SSV_MAX_BATCH];
