@@ -16,14 +16,22 @@
 #define MAX_PLANS 10000
 #define MAX_FRONTS 2000
 
-static char text[200];
-
 void setUp(void) {}
 void tearDown(void) {}
 
-static const char* say(const char* what, int k) {
-    (void)snprintf(text, sizeof text, "%s, task_seed(%d)", what, SEED + k);
-    return text;
+// How often something does not hold, and where first.
+typedef struct {
+    int count, first;
+} breaches_t;
+
+static void expect(bool holds, int k, breaches_t* breaches) {
+    if (!holds && breaches->count++ == 0) breaches->first = k;
+}
+
+static void assert_none(const char* what, breaches_t breaches) {
+    char text[200];
+    (void)snprintf(text, sizeof text, "%s, first by task_seed(%d)", what, SEED + breaches.first);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(0, breaches.count, text);
 }
 
 // False: the scenario was refused, or no candidate is feasible. No task of these sweeps is so.
@@ -69,15 +77,17 @@ static void test_optimal_never_costs_more_than_paper_nor_best_more_than_quick_no
     const prices_t* p = sweep("optimal, paper and bound", count, sizeof *p, price_all_ways);
     static double saved[MAX_TASKS], gap[MAX_TASKS], gained[MAX_TASKS];
     int num_best = 0;
+    breaches_t no_price = {0, 0}, above_paper = {0, 0}, above_quick = {0, 0}, below_bound = {0, 0};
     TEST_ASSERT_NOT_NULL(p);
     for (int k = 0; k < count; k++) {
-        TEST_ASSERT_TRUE_MESSAGE(p[k].quick <= p[k].paper, say("quick above paper", k));
-        TEST_ASSERT_TRUE_MESSAGE(p[k].bound > 0 && p[k].bound <= p[k].quick, say("quick below the bound", k));
+        expect(isfinite(p[k].quick) && isfinite(p[k].best) && isfinite(p[k].paper) && p[k].bound > 0, k, &no_price);
+        expect(!(p[k].quick > p[k].paper), k, &above_paper);
+        expect(!(p[k].quick < p[k].bound), k, &below_bound);
         saved[k] = 1 - p[k].quick / p[k].paper;
         gap[k] = p[k].quick / p[k].bound - 1;
         if (k % BEST_EVERY != 0) continue;
-        TEST_ASSERT_TRUE_MESSAGE(p[k].best <= p[k].quick, say("best above quick", k));
-        TEST_ASSERT_TRUE_MESSAGE(p[k].bound <= p[k].best, say("best below the bound", k));
+        expect(!(p[k].best > p[k].quick), k, &above_quick);
+        expect(!(p[k].best < p[k].bound), k, &below_bound);
         gained[num_best++] = 1 - p[k].best / p[k].quick;
     }
     printf("seed %d, %d tasks: quick saves %.1f %% on paper (median; 1 in 100 below %.1f %%), is %.1f %% above the bound\n",
@@ -85,6 +95,10 @@ static void test_optimal_never_costs_more_than_paper_nor_best_more_than_quick_no
            100 * sweep_quantile(gap, count, 0.5));
     printf("of them %d: best saves another %.1f %% (median; 1 in 100 above %.1f %%)\n", num_best,
            100 * sweep_quantile(gained, num_best, 0.5), 100 * sweep_quantile(gained, num_best, 0.99));
+    assert_none("no price", no_price);
+    assert_none("quick above paper", above_paper);
+    assert_none("best above quick", above_quick);
+    assert_none("below the bound", below_bound);
 }
 
 static void price_by_paper(int k, void* result) {
@@ -99,13 +113,15 @@ static void test_paper_never_costs_less_than_the_lower_bound(void) {
     const int count = sweep_count(5000, MAX_BOUNDS);
     const prices_t* p = sweep("paper and bound", count, sizeof *p, price_by_paper);
     static double gap[MAX_BOUNDS];
+    breaches_t below_bound = {0, 0};
     TEST_ASSERT_NOT_NULL(p);
     for (int k = 0; k < count; k++) {
-        TEST_ASSERT_TRUE_MESSAGE(p[k].bound > 0 && p[k].bound <= p[k].paper, say("paper below the bound", k));
+        expect(p[k].bound > 0 && p[k].bound <= p[k].paper, k, &below_bound);
         gap[k] = p[k].paper / p[k].bound - 1;
     }
     printf("seed %d, %d tasks: paper is %.1f %% above the bound (median)\n", SEED, count,
            100 * sweep_quantile(gap, count, 0.5));
+    assert_none("below the bound", below_bound);
 }
 
 // ---- Invariance ---------------------------------------------------------------------------------------------------------
@@ -138,24 +154,20 @@ static void change_optimal(int k, void* result) { change(SSV_METHOD_OPTIMAL, k, 
 
 static void check_invariance(const char* name, int count, void (*run)(int k, void* result)) {
     const changes_t* c = sweep(name, count, sizeof *c, run);
-    int failures = 0;
+    breaches_t changed[NUM_CHANGES] = {{0, 0}};
     TEST_ASSERT_NOT_NULL(c);
     for (int n = 0; n < NUM_CHANGES; n++) {
         double worst = 0;
-        int worst_k = 0, beyond = 0;
         for (int k = 0; k < count; k++) {
             const double off = fabs(c[k].off[n]);
             // Times a power of two not even rounding may differ.
-            if (!(off <= (n == TIMES_4 ? 0 : SAME_PRICE))) beyond++;
-            if (off <= worst) continue;
-            worst = off;
-            worst_k = k;
+            expect(off <= (n == TIMES_4 ? 0 : SAME_PRICE), k, &changed[n]);
+            worst = fmax(worst, off);
         }
-        failures += beyond;
-        printf("%s, %d tasks %s: price differs by %.1e at most, too much in %d; %s\n", name, count, change_name[n], worst,
-               beyond, say("worst", worst_k));
+        printf("%s, %d tasks %s: price differs by %.1e at most, too much in %d\n", name, count, change_name[n], worst,
+               changed[n].count);
     }
-    TEST_ASSERT_EQUAL_INT(0, failures);
+    for (int n = 0; n < NUM_CHANGES; n++) assert_none(change_name[n], changed[n]);
 }
 
 static void test_price_by_paper_has_no_place_or_handedness_and_scales_with_the_weights(void) {
@@ -201,12 +213,14 @@ static void test_quote_is_the_price_of_the_plan_to_the_last_bit(void) {
     const int count = sweep_count(200, MAX_PLANS);
     const plan_outcome_t* outcome = sweep("quote and plan", count, sizeof *outcome, compare_quote_with_plan);
     int by_paper = 0;
+    breaches_t different = {0, 0};
     TEST_ASSERT_NOT_NULL(outcome);
     for (int k = 0; k < count; k++) {
-        TEST_ASSERT_TRUE_MESSAGE(outcome[k] != DIFFERENT, say("quoted is not what is planned", k));
+        expect(outcome[k] != DIFFERENT, k, &different);
         by_paper += outcome[k] == BY_PAPER;
     }
     printf("seed %d, %d plans: %d did not fit the plan's memory and are the paper's chain\n", SEED, count, by_paper);
+    assert_none("quoted is not what is planned", different);
     TEST_ASSERT_TRUE(by_paper <= count / 1000);
 }
 
@@ -243,16 +257,21 @@ static void test_front_has_no_dominated_point_and_none_that_the_quote_betters(vo
     const int count = sweep_count(40, MAX_FRONTS);
     const front_check_t* check = sweep("front", count, sizeof *check, check_front);
     static double points[MAX_FRONTS];
+    breaches_t empty = {0, 0}, dominated = {0, 0}, without_quote = {0, 0}, wrong_price = {0, 0};
     TEST_ASSERT_NOT_NULL(check);
     for (int k = 0; k < count; k++) {
-        TEST_ASSERT_TRUE_MESSAGE(check[k].num_points > 0, say("no point", k));
-        TEST_ASSERT_TRUE_MESSAGE(check[k].undominated, say("dominated point", k));
-        TEST_ASSERT_TRUE_MESSAGE(check[k].has_quote, say("without the quote", k));
-        TEST_ASSERT_TRUE_MESSAGE(check[k].priced, say("wrong price", k));
+        expect(check[k].num_points > 0, k, &empty);
+        expect(check[k].undominated, k, &dominated);
+        expect(check[k].has_quote, k, &without_quote);
+        expect(check[k].priced, k, &wrong_price);
         points[k] = check[k].num_points;
     }
     printf("seed %d, %d fronts of %.0f points (median; at most %.0f)\n", SEED, count, sweep_quantile(points, count, 0.5),
            sweep_quantile(points, count, 1));
+    assert_none("empty front", empty);
+    assert_none("dominated point", dominated);
+    assert_none("without the quote", without_quote);
+    assert_none("wrong price", wrong_price);
 }
 
 int main(void) {
