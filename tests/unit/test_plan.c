@@ -166,6 +166,27 @@ static void test_quote_lists_candidates_only_when_asked_and_prices_the_same_eith
     }
 }
 
+static void test_optimal_comes_close_to_coupled_motion_on_the_case_study(void) {
+    // The least J known for the case study of model paper, from direct collocation of motion that turns and flies at once, and
+    // how far above it either effort may stay.
+    static const struct {
+        double time, impulse, coupled_optimum, slack[2];
+    } row[] = {{1, 0.1, 628.8, {0.04, 0.02}}, {1, 1, 3699.7, {0.03, 0.015}}, {0.01, 1, 3399.2, {0.01, 0.005}}};
+    for (size_t k = 0; k < sizeof row / sizeof row[0]; k++) {
+        for (int effort = SSV_EFFORT_QUICK; effort <= SSV_EFFORT_BEST; effort++) {
+            ssv_scenario_t s = task_case_study(false);
+            ssv_quote_t quote;
+            s.method = SSV_METHOD_OPTIMAL;
+            s.effort = (ssv_effort_t)effort;
+            s.want_candidates = false;
+            s.weight_time_per_s = real_from_double(row[k].time);
+            s.weight_impulse_per_Ns = real_from_double(row[k].impulse);
+            TEST_ASSERT_EQUAL_INT(SSV_OK, quote_of(&s, &quote));
+            TEST_ASSERT_TRUE(real_to_double(quote.cost) <= row[k].coupled_optimum * (1 + row[k].slack[effort]));
+        }
+    }
+}
+
 static void test_front_of_the_case_study_serves_a_scheduler_that_changes_its_weights(void) {
     static const double weights[][2] = {{1, 0}, {0, 1}, {1, 1}};
     ssv_scenario_t s = task_case_study(false);
@@ -226,6 +247,7 @@ int main(void) {
     RUN_TEST(test_task_that_is_done_already_costs_nothing);
     RUN_TEST(test_plan_that_would_take_too_long_is_infeasible_with_a_reason_for_each_candidate);
     RUN_TEST(test_quote_lists_candidates_only_when_asked_and_prices_the_same_either_way);
+    RUN_TEST(test_optimal_comes_close_to_coupled_motion_on_the_case_study);
     RUN_TEST(test_front_of_the_case_study_serves_a_scheduler_that_changes_its_weights);
     RUN_TEST(test_quote_and_front_of_an_infeasible_task_say_so);
     RUN_TEST(test_same_question_gets_the_same_plan_and_another_question_another_hash);
