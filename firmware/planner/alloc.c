@@ -69,9 +69,9 @@ ssv_status_t ssv_alloc_init(const ssv_vehicle_t* vehicle, ssv_allocation_t* allo
 }
 
 void ssv_alloc(const ssv_allocation_t* allocation, vec3_t force, vec3_t moment, real_t u_N[SSV_NUM_THRUSTERS]) {
-    const real_t wrench[6] = {force.x, force.y, force.z, moment.x, moment.y, moment.z};
     for (int i = 0; i < N; i++) {
-        u_N[i] = REAL(0);
-        for (int c = 0; c < 6; c++) u_N[i] += real_mul(allocation->u_per_wrench[i][c], wrench[c]);
+        const real_t* row = allocation->u_per_wrench[i];
+        u_N[i] = real_mul(row[0], force.x) + real_mul(row[1], force.y) + real_mul(row[2], force.z) +
+                 real_mul(row[3], moment.x) + real_mul(row[4], moment.y) + real_mul(row[5], moment.z);
     }
 }

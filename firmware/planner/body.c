@@ -38,35 +38,37 @@ static ssv_wrench_t strip_drag(const ssv_beam_t* beam, vec3_t v_B, vec3_t w_B) {
     return r;
 }
 
-// Adds one body whose frame (p_SQ, q_SQ) moves with v_Q, w_Q (in its own axes): momenta to accel, drag to the other two.
-static void add_body(ssv_demand_t* demand, const ssv_body_t* body, pose_t X_SQ, vec3_t v_Q, vec3_t w_Q,
-                     const ssv_wrench_t* strip) {
+// What one body asks for in its own frame Q, moving with v_Q, w_Q: momenta and drag.
+static ssv_demand_t demand_in_Q(const ssv_body_t* body, vec3_t v_Q, vec3_t w_Q) {
     const vec3_t mass = vec3(body->mass_kg + body->added_mass_kg.x, body->mass_kg + body->added_mass_kg.y,
                              body->mass_kg + body->added_mass_kg.z);
-    const ssv_wrench_t on_Q[3] = {
+    return (ssv_demand_t){
         {vec3_mul(mass, v_Q), vec3_mul(body->inertia_kg_m2, w_Q)},
         {vec3_scale(body->drag_lin_kg_s, v_Q), vec3_scale(body->drag_lin_ang_Nm_s, w_Q)},
-        {vec3_add(vec3_scale(real_mul(body->drag_quad_kg_m, vec3_norm(v_Q)), v_Q), strip->force),
-         vec3_add(vec3_scale(real_mul(body->drag_quad_ang_Nm_s2, vec3_norm(w_Q)), w_Q), strip->moment)}};
-    ssv_wrench_t* const on_S[3] = {&demand->accel, &demand->linear, &demand->quadratic};
-    for (int k = 0; k < 3; k++) {
-        const vec3_t force = quat_apply(X_SQ.q, on_Q[k].force);
-        wrench_add(on_S[k], force, vec3_add(quat_apply(X_SQ.q, on_Q[k].moment), vec3_cross(X_SQ.p, force)));
-    }
+        {vec3_scale(real_mul(body->drag_quad_kg_m, vec3_norm(v_Q)), v_Q),
+         vec3_scale(real_mul(body->drag_quad_ang_Nm_s2, vec3_norm(w_Q)), w_Q)}};
+}
+
+static void add_on_S(ssv_wrench_t* sum, pose_t X_SQ, ssv_wrench_t on_Q) {
+    const vec3_t force = quat_apply(X_SQ.q, on_Q.force);
+    wrench_add(sum, force, vec3_add(quat_apply(X_SQ.q, on_Q.moment), vec3_cross(X_SQ.p, force)));
 }
 
 void ssv_body_demand(const ssv_assembly_t* assembly, ssv_twist_t twist, ssv_demand_t* demand) {
-    const vec3_t zero = vec3(REAL(0), REAL(0), REAL(0));
-    const ssv_wrench_t none = {zero, zero};
-    const pose_t X_SS = {zero, quat_identity()};
-    demand->accel = demand->linear = demand->quadratic = none;
-    add_body(demand, &assembly->vehicle->body, X_SS, twist.v, twist.w, &none);
+    *demand = demand_in_Q(&assembly->vehicle->body, twist.v, twist.w);
     if (assembly->beam != NULL) {
+        const ssv_beam_t* beam = assembly->beam;
         const quat_t q_BS = quat_conj(assembly->X_SB.q);
         const vec3_t v_B = quat_apply(q_BS, vec3_add(twist.v, vec3_cross(twist.w, assembly->X_SB.p)));
         const vec3_t w_B = quat_apply(q_BS, twist.w);
-        const ssv_wrench_t strip = strip_drag(assembly->beam, v_B, w_B);
-        add_body(demand, &assembly->beam->body, assembly->X_SB, v_B, w_B, &strip);
+        ssv_demand_t on_B = demand_in_Q(&beam->body, v_B, w_B);
+        if (beam->drag_strip_kg_m2 > REAL(0)) {
+            const ssv_wrench_t strip = strip_drag(beam, v_B, w_B);
+            wrench_add(&on_B.quadratic, strip.force, strip.moment);
+        }
+        add_on_S(&demand->accel, assembly->X_SB, on_B.accel);
+        add_on_S(&demand->linear, assembly->X_SB, on_B.linear);
+        add_on_S(&demand->quadratic, assembly->X_SB, on_B.quadratic);
     }
     // Kirchhoff: dP/dt + w x P = F and dH/dt + w x H + v x P = M, with P and H per unit of speed in accel.
     const vec3_t P = demand->accel.force, H = demand->accel.moment;

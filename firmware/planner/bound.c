@@ -1,3 +1,5 @@
+#include "planner/bound.h"
+
 #include "planner/grasp.h"
 
 #define N SSV_NUM_THRUSTERS
@@ -7,7 +9,7 @@
 //     sum of F max(0, Y |n . n_i| - W2) <= W1 for every unit n.
 // The |n . n_i| have squares that sum to at most the largest eigenvalue of sum n_i n_i^T, so the left side is largest with m
 // of them equal and the rest zero, for some m.
-static real_t price_per_metre(const ssv_scenario_t* s) {
+real_t ssv_least_metre_price(const ssv_scenario_t* s) {
     real_t m[3][3] = {{REAL(0)}}, eigenvalue = REAL(0);
     for (int i = 0; i < N; i++) {
         const vec3_t v = s->vehicle.thruster[i].n_T_S;
@@ -61,5 +63,5 @@ real_t ssv_lower_bound(const ssv_problem_t* problem) {
             first = false;
         }
     }
-    return real_mul(price_per_metre(s), least);
+    return real_mul(ssv_least_metre_price(s), least);
 }

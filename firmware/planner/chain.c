@@ -1,5 +1,7 @@
 #include "planner/chain.h"
 
+#include "planner/estimate.h"
+
 static void add_price(ssv_price_t* sum, const ssv_price_t* price) {
     if (sum->outcome == SSV_FEASIBLE) sum->outcome = price->outcome;
     sum->time_s += price->time_s;
@@ -29,6 +31,21 @@ void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assemb
         add_price(&flight->price, &flight->move_price[k]);
         flight->X_IS_end = ssv_move_pose(flight->X_IS_end, move->twist, move->length);
     }
+}
+
+bool ssv_flight_estimate(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_flight_t* flight, real_t* price) {
+    const ssv_scenario_t* s = &problem->scenario;
+    *price = REAL(0);
+    for (int k = 0; k < flight->num_moves; k++) {
+        const ssv_move_t* move = &flight->move[k];
+        if (!(move->length > REAL(0))) continue;
+        ssv_thrusts_t thrusts;
+        real_t cost;
+        ssv_move_thrusts(problem, assembly, move->twist, &thrusts);
+        if (!ssv_profile_estimate(&thrusts, s->weight_time_per_s, s->weight_impulse_per_Ns, move->length, &cost)) return false;
+        *price += cost;
+    }
+    return true;
 }
 
 void ssv_chain_join(const ssv_grasp_t* grasp, const ssv_flight_t* transit, const ssv_flight_t* transfer, pose_t X_SB,

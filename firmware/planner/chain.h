@@ -35,6 +35,10 @@ ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, pose_t X_IS);
 /// Prices flight->move[0..num_moves) flown from X_IS and fills in the rest.
 void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, pose_t X_IS, ssv_flight_t* flight);
 
+/// About what flight->move[0..num_moves) cost together, the quick way. @return false if the thrusters cannot do one of them; then
+/// *price is meaningless.
+bool ssv_flight_estimate(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_flight_t* flight, real_t* price);
+
 /// Joins both phases. The price is added up move by move, as the plan's legs will be: quoted is what is flown, to the last bit.
 void ssv_chain_join(const ssv_grasp_t* grasp, const ssv_flight_t* transit, const ssv_flight_t* transfer, pose_t X_SB,
                     ssv_chain_t* chain);

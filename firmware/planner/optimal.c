@@ -1,90 +1,54 @@
 // Turn, fly, turn, with everything that is free decided by J (DESIGN.md 6).
+#include "planner/alloc.h"
+#include "planner/estimate.h"
 #include "planner/search.h"
 
-#define NUM_DIRECTIONS 26
-#define NUM_ROLLS 12
-#define NUM_MATE_ROLLS 8
-#define MAX_STARTS 16
-#define MAX_PARAMETERS 9
+#define NUM_SPINS 8
+#define SPIN_STEP REAL(0.78539816339744831)
+#define NUM_AIMS 2
+#define NUM_ROLLS 4
+#define MAX_STARTS 4
+#define NUM_ENDS 2
 
-// Directions this much dearer per metre than the cheapest are not drawn; the pattern search still finds its way in between.
-#define DIRECTION_SLACK REAL(1.15)
+// Body directions this much dearer per metre than the cheapest are not drawn; the search still finds its way in between.
+#define DIRECTION_SLACK REAL(1.12)
+// Prices closer than this are equal: which is taken must not hang on rounding.
+#define EVEN REAL(1e-9)
+#define WORTHWHILE REAL(3e-5)
+#define NO_PRICE REAL(1e9)
+// Flights shorter than this have no direction.
+#define NO_WAY_M REAL(1e-6)
 
-// Travel attitudes that are priced, how many of the cheapest are refined, and sweeps of the pattern search on each.
+// How much is tried. Starts of some kinds are drawn and priced, and for the cheapest of them transits, with the vehicle either
+// way up; round after round, fewer of the cheapest are refined; at last the best transfer with the price of both phases.
+#define NUM_ROUNDS 3
 typedef struct {
-    int starts, refined, sweeps;
+    int kinds, starts, ways_up;
+    struct {
+        int refined, sweeps;
+    } rounds[NUM_ROUNDS], transit, joint;
 } budget_t;
 
-static const budget_t budgets[] = {[SSV_EFFORT_QUICK] = {4, 1, 2}, [SSV_EFFORT_BEST] = {MAX_STARTS, 3, 10}};
-
-typedef struct {
-    int num;
-    vec3_t n[NUM_DIRECTIONS];
-    real_t price[NUM_DIRECTIONS];
-} directions_t;
-
-// The axes, edges and diagonals of the body that are cheap to fly along.
-static void cheap_directions(const ssv_problem_t* problem, directions_t* d) {
-    vec3_t n[NUM_DIRECTIONS];
-    real_t price[NUM_DIRECTIONS], least = REAL(0);
-    int num = 0;
-    for (int x = -1; x <= 1; x++) {
-        for (int y = -1; y <= 1; y++) {
-            for (int z = -1; z <= 1; z++) {
-                if (x == 0 && y == 0 && z == 0) continue;
-                n[num] = vec3_unit(vec3(real_from_int(x), real_from_int(y), real_from_int(z)));
-                price[num] = ssv_metre_price(problem, n[num]);
-                if (num == 0 || price[num] < least) least = price[num];
-                num++;
-            }
-        }
-    }
-    d->num = 0;
-    for (int k = 0; k < num; k++) {
-        if (price[k] > real_mul(DIRECTION_SLACK, least)) continue;
-        d->n[d->num] = n[k];
-        d->price[d->num++] = price[k];
-    }
-}
-
-// ---- Geometry -----------------------------------------------------------------------------------------------------------
-
-// Smallest rotation that takes unit vector from to unit vector to.
-static quat_t align(vec3_t from, vec3_t to) {
-    vec3_t axis[SSV_NUM_TURN_AXES];
-    real_t angle;
-    ssv_grasp_turn_axes(from, to, axis, &angle);
-    return quat_from_axis_angle(axis[0], angle);
-}
-
-// Angle of the shorter turn from one attitude to another.
-static real_t turn_angle(quat_t q_from, quat_t q_to) {
-    const quat_t q = quat_mul(quat_conj(q_from), q_to);
-    return real_mul(REAL(2), real_atan2(vec3_norm(vec3(q.x, q.y, q.z)), real_abs(q.w)));
-}
-
-static real_t angle_between(vec3_t a, vec3_t b) { return real_atan2(vec3_norm(vec3_cross(a, b)), vec3_dot(a, b)); }
-
-// Where the vehicle stands after turning about a pivot from X to another attitude.
-static pose_t turned(pose_t X, quat_t q_to, vec3_t pivot_S) {
-    return (pose_t){vec3_add(X.p, vec3_sub(quat_apply(X.q, pivot_S), quat_apply(q_to, pivot_S))), q_to};
-}
-
-// Turn about a pivot, fly on while turning from one travel attitude to the other, turn about a pivot.
-static void lay_flight(ssv_phase_t phase, pose_t X_from, pose_t X_to, const quat_t q_IT[2], const vec3_t pivot_S[2],
-                       ssv_flight_t* flight) {
-    const pose_t via[4] = {X_from, turned(X_from, q_IT[0], pivot_S[0]), turned(X_to, q_IT[1], pivot_S[1]), X_to};
-    flight->num_moves = SSV_MAX_PHASE_MOVES;
-    for (int k = 0; k < SSV_MAX_PHASE_MOVES; k++) flight->move[k] = ssv_move_between(phase, via[k], via[k + 1]);
-}
+// Part of the price of a turn that it keeps when it is made on the way.
+#define SWING_SHARE REAL(0.25)
+// Cosine and sine of half the spins.
+static const real_t spin_half_cosine[NUM_SPINS] = {REAL(1), REAL(0.92387953251128674), REAL(0.70710678118654752), REAL(0.38268343236508977), REAL(0), REAL(-0.38268343236508977), REAL(-0.70710678118654752), REAL(-0.92387953251128674)};
+static const real_t spin_half_sine[NUM_SPINS] = {REAL(0), REAL(0.38268343236508977), REAL(0.70710678118654752), REAL(0.92387953251128674), REAL(1), REAL(0.92387953251128674), REAL(0.70710678118654752), REAL(0.38268343236508977)};
 
 // ---- What is chosen -----------------------------------------------------------------------------------------------------
 
-// A phase's free numbers: changes of the travel attitude as the flight starts and ends [rad], and for the transfer the roll of
-// the vehicle about its contact axis [rad] and both pivots as fractions of the way from S to C.
+// A phase's free numbers. The vehicle travels with attitude q_IT exp(TURN -+ TWIST) as the flight starts and ends. A transfer
+// has more: the vehicle's roll about its contact axis, the spins about the beam's axis as it lies and as it docks that the
+// turns at both ends make besides what they must, and both pivots as fractions of the way from S to C.
+enum { TURN = 0, TWIST = 3, NUM_TRANSIT = 6, MATE_ROLL = 6, SPIN = 7, PIVOT = 9, NUM_TRANSFER = 15 };
+
+static const real_t first_step[NUM_TRANSFER] = {REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.15),
+                                                REAL(0.2),  REAL(0.3),  REAL(0.3),  REAL(0.1),  REAL(0.1), REAL(0.1), REAL(0.1), REAL(0.1), REAL(0.1)};
+
 typedef struct {
     quat_t q_IT;
-    real_t x[MAX_PARAMETERS];
+    vec3_t n_S; // the direction in which the vehicle flies, before TURN
+    real_t x[NUM_TRANSFER];
 } trial_t;
 
 typedef struct {
@@ -92,8 +56,8 @@ typedef struct {
     ssv_phase_t phase;
     int contact;
     real_t height_m;
-    pose_t X_from, X_to;         // ends of the transit; those of a transfer are its trials' to choose
-    int num_parameters;
+    pose_t X_from, X_to; // ends of the transit; those of a transfer are its trials' to choose
+    const trial_t* transit; // what a transfer's price shall include, or NULL
     int num_priced;
 } task_t;
 
@@ -105,161 +69,505 @@ typedef struct {
     ssv_flight_t flight;
 } motion_t;
 
-static void travel_attitudes(const trial_t* trial, quat_t q_IT[2]) {
-    for (int end = 0; end < 2; end++) {
-        const vec3_t change = vec3(trial->x[3 * end], trial->x[3 * end + 1], trial->x[3 * end + 2]);
-        const real_t angle = vec3_norm(change);
-        q_IT[end] = trial->q_IT;
-        if (!(angle > REAL(0))) continue;
-        q_IT[end] = quat_unit(quat_mul(trial->q_IT, quat_from_axis_angle(vec3_unit(change), angle)));
-    }
+// ---- Geometry -----------------------------------------------------------------------------------------------------------
+
+// The attitude in which two unit vectors of the body, a_S and b_S, point along a_I and, as well as may be, towards b_I.
+static quat_t attitude(vec3_t a_S, vec3_t b_S, vec3_t a_I, vec3_t b_I) {
+    const quat_t q = quat_between(a_S, a_I);
+    const vec3_t b = quat_apply(q, b_S);
+    const vec3_t from = vec3_sub(b, vec3_scale(vec3_dot(b, a_I), a_I)), to = vec3_sub(b_I, vec3_scale(vec3_dot(b_I, a_I), a_I));
+    if (!(real_min(vec3_norm(from), vec3_norm(to)) > REAL(1e-6))) return q;
+    // Half a turn goes about a_I too.
+    const vec3_t u = vec3_unit(from), v = vec3_unit(to), e = vec3_cross(u, v);
+    const quat_t roll = {REAL(1) + vec3_dot(u, v), e.x, e.y, e.z}, half_turn = {REAL(0), a_I.x, a_I.y, a_I.z};
+    return quat_unit(quat_mul(quat_norm(roll) > REAL(1e-6) ? quat_unit(roll) : half_turn, q));
 }
 
-// The transfer that travels with this attitude and mate roll. The beam's axis is where the vehicle holds it, so the smallest
-// turns bring it there from where it lies and on to where it docks; they fix the ring angle and the roll of the docked beam.
-static void lay_transfer(const task_t* task, const trial_t* trial, motion_t* motion) {
-    const ssv_scenario_t* s = &task->problem->scenario;
-    quat_t q_IT[2];
-    travel_attitudes(trial, q_IT);
-    const vec3_t axis_S = vec3(REAL(0), real_cos(trial->x[6]), real_sin(trial->x[6]));
-    const vec3_t axis_start = quat_apply(s->X_IB.q, vec3(REAL(0), REAL(0), REAL(1)));
-    quat_t q_IS = quat_unit(quat_mul(align(quat_apply(q_IT[0], axis_S), axis_start), q_IT[0]));
-    vec3_t outward_B = quat_apply(quat_conj(s->X_IB.q), vec3_neg(quat_apply(q_IS, vec3(REAL(1), REAL(0), REAL(0)))));
-    motion->grasp = (ssv_grasp_t){task->contact, task->height_m, real_atan2(outward_B.y, outward_B.x)};
-    if (s->ring_angle_given) {
-        const real_t missing = s->ring_angle_rad - motion->grasp.ring_angle_rad;
-        q_IS = quat_unit(quat_mul(quat_from_axis_angle(axis_start, missing), q_IS));
-        motion->grasp.ring_angle_rad = s->ring_angle_rad;
-    }
-    motion->X_from = (pose_t){ssv_grasp_position(s, &motion->grasp), q_IS};
-    motion->assembly = ssv_vehicle_with_beam(task->problem, motion->X_from);
-
-    const vec3_t p_BE = ssv_grasp_contact(s, task->contact);
-    const vec3_t p_SE = pose_mul(motion->assembly.X_SB, (pose_t){p_BE, quat_identity()}).p;
-    const vec3_t outward = quat_apply(q_IT[1], task->contact == 1 ? vec3_neg(axis_S) : axis_S);
-    const quat_t q_dock = quat_unit(quat_mul(align(outward, vec3_neg(s->axis_I)), q_IT[1]));
-    const pose_t X_dock = {vec3_sub(s->p_IP_m, quat_apply(q_dock, p_SE)), q_dock};
-    const vec3_t centre = ssv_body_centre(&motion->assembly);
-    const vec3_t pivot[2] = {vec3_scale(trial->x[7], centre), vec3_scale(trial->x[8], centre)};
-    lay_flight(SSV_TRANSFER, motion->X_from, X_dock, q_IT, pivot, &motion->flight);
+static quat_t turned_by(quat_t q, vec3_t rotation) {
+    const real_t angle = vec3_norm(rotation);
+    if (!(angle > REAL(0))) return q;
+    return quat_unit(quat_mul(q, quat_from_axis_angle(vec3_unit(rotation), angle)));
 }
 
-static void lay(const task_t* task, const trial_t* trial, motion_t* motion) {
-    if (task->phase == SSV_TRANSFER) {
-        lay_transfer(task, trial, motion);
+// Where the vehicle stands after turning about a pivot from X to another attitude.
+static pose_t turned(pose_t X, quat_t q_to, vec3_t pivot_S) {
+    return (pose_t){vec3_add(X.p, vec3_sub(quat_apply(X.q, pivot_S), quat_apply(q_to, pivot_S))), q_to};
+}
+
+static vec3_t beam_axis_S(real_t mate_roll) { return vec3(REAL(0), real_cos(mate_roll), real_sin(mate_roll)); }
+
+static vec3_t beam_axis_start(const task_t* task) {
+    return quat_apply(task->problem->scenario.X_IB.q, vec3(REAL(0), REAL(0), REAL(1)));
+}
+
+// The docked beam's z axis.
+static vec3_t beam_axis_end(const task_t* task) {
+    return vec3_scale(task->contact == 1 ? REAL(1) : REAL(-1), task->problem->scenario.axis_I);
+}
+
+// Attitudes of the vehicle where the flight's first turn begins and its last one ends. Those of a transfer follow from how it
+// travels: the smallest turns that bring the beam's axis from where it lies and on to where it docks, and the spins. If the
+// ring angle is given, the first turn begins there instead.
+static void ends(const task_t* task, const trial_t* trial, const quat_t q_IT[NUM_ENDS], quat_t q_IS[NUM_ENDS]) {
+    if (task->phase == SSV_TRANSIT) {
+        q_IS[0] = task->X_from.q;
+        q_IS[1] = task->X_to.q;
         return;
     }
-    const vec3_t centre[2] = {{REAL(0), REAL(0), REAL(0)}, {REAL(0), REAL(0), REAL(0)}};
-    motion->assembly = ssv_vehicle_alone(task->problem);
-    motion->X_from = task->X_from;
-    quat_t q_IT[2];
-    travel_attitudes(trial, q_IT);
-    lay_flight(SSV_TRANSIT, task->X_from, task->X_to, q_IT, centre, &motion->flight);
+    const ssv_scenario_t* s = &task->problem->scenario;
+    const vec3_t axis_S = beam_axis_S(trial->x[MATE_ROLL]);
+    const vec3_t axis_I[NUM_ENDS] = {beam_axis_start(task), beam_axis_end(task)};
+    for (int end = 0; end < NUM_ENDS; end++) {
+        const quat_t smallest = quat_mul(quat_between(quat_apply(q_IT[end], axis_S), axis_I[end]), q_IT[end]);
+        q_IS[end] = quat_unit(quat_mul(quat_from_axis_angle(axis_I[end], trial->x[SPIN + end]), smallest));
+    }
+    if (s->ring_angle_given) {
+        const vec3_t inward_B = vec3(-real_cos(s->ring_angle_rad), -real_sin(s->ring_angle_rad), REAL(0));
+        q_IS[0] = attitude(axis_S, vec3(REAL(1), REAL(0), REAL(0)), axis_I[0], quat_apply(s->X_IB.q, inward_B));
+    }
 }
 
-static bool try_price(task_t* task, const trial_t* trial, real_t* price) {
-    motion_t motion;
-    lay(task, trial, &motion);
-    ssv_flight_price(task->problem, &motion.assembly, motion.X_from, &motion.flight);
-    *price = motion.flight.price.cost;
-    task->num_priced++;
-    return motion.flight.price.outcome == SSV_FEASIBLE;
-}
+static vec3_t part(const trial_t* trial, int first) { return vec3(trial->x[first], trial->x[first + 1], trial->x[first + 2]); }
 
-// Compass search: each number in turn a step up and down, keeping what is cheaper; all steps shrink after a sweep in vain.
-static void refine(task_t* task, int sweeps, trial_t* trial, real_t* price) {
-    static const real_t start[MAX_PARAMETERS] = {REAL(0.2), REAL(0.2), REAL(0.2), REAL(0.2), REAL(0.2), REAL(0.2),
-                                                REAL(0.3), REAL(0.5), REAL(0.5)};
-    real_t scale = REAL(1);
-    for (int n = 0; n < sweeps; n++) {
-        bool improved = false;
-        for (int k = 0; k < task->num_parameters; k++) {
-            for (int side = -1; side <= 1; side += 2) {
-                trial_t next = *trial;
-                real_t next_price;
-                next.x[k] += real_mul(real_from_int(side), real_mul(scale, start[k]));
-                if (!try_price(task, &next, &next_price) || next_price >= *price) continue;
-                *trial = next;
-                *price = next_price;
-                improved = true;
-                break;
-            }
+// Attitudes as the flight starts and ends. The vehicle flies in the direction n_S whatever else changes: that is a screw whose
+// middle attitude turns the chord of its arc to the way.
+static void travel_attitudes(const trial_t* trial, vec3_t way, quat_t q_IT[NUM_ENDS]) {
+    const vec3_t turn = part(trial, TURN), twist = part(trial, TWIST);
+    quat_t q_middle = turned_by(trial->q_IT, turn);
+    const vec3_t n = quat_apply(turned_by(quat_identity(), vec3_neg(turn)), trial->n_S);
+    const real_t angle = vec3_norm(twist), distance = vec3_norm(way);
+    if (distance > NO_WAY_M) {
+        vec3_t chord = n;
+        if (angle > REAL(1e-6)) {
+            const vec3_t axis = vec3_scale(real_div(REAL(1), angle), twist), along = vec3_scale(vec3_dot(axis, n), axis);
+            chord = vec3_add(along, vec3_scale(real_div(real_sin(angle), angle), vec3_sub(n, along)));
         }
-        if (!improved) scale = real_mul(REAL(0.4), scale);
+        q_middle = quat_mul(quat_between(quat_apply(q_middle, vec3_unit(chord)), vec3_unit(way)), q_middle);
+    }
+    q_IT[0] = turned_by(q_middle, vec3_neg(twist));
+    q_IT[1] = turned_by(q_middle, twist);
+}
+
+// Where the beam's axis is taken hold of as it lies, and where that place is when it has docked.
+static void hold_points(const task_t* task, vec3_t p_I[NUM_ENDS]) {
+    const ssv_scenario_t* s = &task->problem->scenario;
+    const real_t from_contact = real_abs(ssv_grasp_contact(s, task->contact).z - task->height_m);
+    p_I[0] = vec3_add(s->X_IB.p, vec3_scale(task->height_m, beam_axis_start(task)));
+    p_I[1] = vec3_add(s->p_IP_m, vec3_scale(from_contact, s->axis_I));
+}
+
+// Where the vehicle stands at both ends of a transfer.
+static void stands(const task_t* task, const vec3_t hold_I[NUM_ENDS], const quat_t q_IS[NUM_ENDS], vec3_t p_IS[NUM_ENDS]) {
+    const vec3_t ahead = vec3(task->problem->scenario.standoff_m, REAL(0), REAL(0));
+    for (int end = 0; end < NUM_ENDS; end++) p_IS[end] = vec3_sub(hold_I[end], quat_apply(q_IS[end], ahead));
+}
+
+// The motion of a trial: turn about a pivot, fly on while turning from one travel attitude to the other, turn about a pivot.
+static void lay(const task_t* task, const trial_t* trial, motion_t* motion) {
+    const ssv_scenario_t* s = &task->problem->scenario;
+    quat_t q_IT[NUM_ENDS], q_IS[NUM_ENDS];
+    vec3_t p_IS[NUM_ENDS] = {task->X_from.p, task->X_to.p};
+    pose_t X_IT[NUM_ENDS];
+    if (task->phase == SSV_TRANSIT) {
+        motion->assembly = ssv_vehicle_alone(task->problem);
+        travel_attitudes(trial, vec3_sub(p_IS[1], p_IS[0]), q_IT);
+        ends(task, trial, q_IT, q_IS);
+        for (int end = 0; end < NUM_ENDS; end++) X_IT[end] = (pose_t){p_IS[end], q_IT[end]};
+    } else {
+        // Where the flight starts and ends depends on how the vehicle travels, and that on the way from one to the other: a few
+        // steps to and fro.
+        vec3_t hold_I[NUM_ENDS];
+        hold_points(task, hold_I);
+        vec3_t way = vec3_sub(hold_I[1], hold_I[0]);
+        for (int n = 0; n < NUM_AIMS; n++) {
+            travel_attitudes(trial, way, q_IT);
+            ends(task, trial, q_IT, q_IS);
+            stands(task, hold_I, q_IS, p_IS);
+            for (int end = 0; end < NUM_ENDS; end++) {
+                X_IT[end] = turned((pose_t){p_IS[end], q_IS[end]}, q_IT[end], part(trial, PIVOT + 3 * end));
+            }
+            way = vec3_sub(X_IT[1].p, X_IT[0].p);
+        }
+        const vec3_t outward_B =
+            quat_apply(quat_conj(s->X_IB.q), vec3_neg(quat_apply(q_IS[0], vec3(REAL(1), REAL(0), REAL(0)))));
+        const real_t ring_angle = s->ring_angle_given ? s->ring_angle_rad : real_atan2(outward_B.y, outward_B.x);
+        motion->grasp = (ssv_grasp_t){task->contact, task->height_m, ring_angle};
+        motion->assembly = ssv_vehicle_with_beam(task->problem, (pose_t){p_IS[0], q_IS[0]});
+    }
+    motion->X_from = (pose_t){p_IS[0], q_IS[0]};
+    const pose_t via[] = {motion->X_from, X_IT[0], X_IT[1], {p_IS[1], q_IS[1]}};
+    motion->flight.num_moves = SSV_MAX_PHASE_MOVES;
+    for (int k = 0; k < SSV_MAX_PHASE_MOVES; k++) {
+        motion->flight.move[k] = ssv_move_between(task->phase, via[k], via[k + 1]);
+    }
+}
+
+static task_t transit_to(const task_t* carry, pose_t X_to) {
+    return (task_t){carry->problem, SSV_TRANSIT, carry->contact, carry->height_m, carry->problem->scenario.X_IS, X_to, NULL, 0};
+}
+
+// Estimated price; NO_PRICE where the thrusters cannot do it.
+static real_t try_price(task_t* task, const trial_t* trial) {
+    motion_t motion;
+    real_t price, before = REAL(0);
+    lay(task, trial, &motion);
+    task->num_priced++;
+    if (!ssv_flight_estimate(task->problem, &motion.assembly, &motion.flight, &price)) return NO_PRICE;
+    if (task->transit != NULL) {
+        const task_t fly = transit_to(task, motion.X_from);
+        lay(&fly, task->transit, &motion);
+        if (!ssv_flight_estimate(task->problem, &motion.assembly, &motion.flight, &before)) return NO_PRICE;
+    }
+    return price + before;
+}
+
+// Steps up and down along a direction of the parameters, and to where the parabola through the three prices is lowest. @return
+// how far along the direction it went.
+static real_t search_along(task_t* task, const real_t direction[NUM_TRANSFER], trial_t* trial, real_t* price) {
+    const trial_t centre = *trial;
+    const real_t middle = *price;
+    real_t at[2], best_step = REAL(0);
+    for (int n = 0; n < 3; n++) {
+        real_t step = n == 0 ? REAL(-1) : REAL(1);
+        if (n == 2) {
+            const real_t bend = at[0] + at[1] - real_mul(REAL(2), middle);
+            if (!(bend > real_mul(EVEN, middle))) break;
+            step = real_div(real_mul(REAL(0.5), at[0] - at[1]), bend);
+            // What the parabola promises over the best so far.
+            if (real_mul(REAL(0.5), real_mul(bend, real_sq(step))) - (middle - *price) < real_mul(WORTHWHILE, middle)) break;
+            step = real_max(REAL(-2.5), real_min(REAL(2.5), step));
+        }
+        trial_t next = centre;
+        for (int k = 0; k < NUM_TRANSFER; k++) next.x[k] += real_mul(step, direction[k]);
+        const real_t there = try_price(task, &next);
+        if (n < 2) at[n] = there;
+        if (there < *price - real_mul(EVEN, *price)) {
+            *price = there;
+            *trial = next;
+            best_step = real_abs(step);
+        }
+    }
+    return best_step;
+}
+
+// Each number in turn, and after each sweep the way that the sweep went as a whole. Steps shrink where nothing moves.
+static void refine(task_t* task, int sweeps, trial_t* trial, real_t* price) {
+    const int num = task->phase == SSV_TRANSIT ? NUM_TRANSIT : NUM_TRANSFER;
+    real_t step[NUM_TRANSFER];
+    for (int k = 0; k < num; k++) step[k] = first_step[k];
+    for (int n = 0; n < sweeps; n++) {
+        const trial_t before = *trial;
+        for (int k = 0; k < num; k++) {
+            if (task->phase == SSV_TRANSFER && k == SPIN && task->problem->scenario.ring_angle_given) continue;
+            real_t direction[NUM_TRANSFER] = {REAL(0)};
+            direction[k] = step[k];
+            const real_t went = search_along(task, direction, trial, price);
+            step[k] = real_mul(step[k], real_max(REAL(0.3), real_min(REAL(1.5), went)));
+        }
+        real_t direction[NUM_TRANSFER];
+        for (int k = 0; k < NUM_TRANSFER; k++) direction[k] = trial->x[k] - before.x[k];
+        search_along(task, direction, trial, price);
     }
 }
 
 // ---- Where the search starts --------------------------------------------------------------------------------------------
 
+// What the beam does on the way of a transfer: it keeps the attitude that it has at one of the ends, or that but rolled about
+// the way, or it swings from one to the other.
+typedef enum { HELD, SWUNG, ROLLED, NUM_CARRIES } carry_t;
+
 typedef struct {
     trial_t trial;
-    real_t price;
+    real_t price, transit_price; // the latter of what is flown before
 } start_t;
 
-// Keeps the cheapest few, cheapest first.
-static void keep(start_t* list, int* num, int most, const start_t* candidate) {
-    int k = *num < most ? (*num)++ : *num;
-    if (k == most) {
-        if (candidate->price >= list[most - 1].price) return;
-        k = most - 1;
+// Whether the thrusters serve the vehicle rolled half a turn about x as well as before: three wrenches with nothing special about
+// them tell.
+static bool serves_both_ways_up(const ssv_problem_t* problem) {
+    static const real_t probe[3][6] = {{REAL(0.8), REAL(0.5), REAL(-0.3), REAL(0.1), REAL(0.05), REAL(0.12)},
+                                       {REAL(-0.2), REAL(0.7), REAL(0.6), REAL(-0.07), REAL(0.15), REAL(-0.04)},
+                                       {REAL(0.3), REAL(-0.4), REAL(0.9), REAL(0.11), REAL(-0.09), REAL(0.02)}};
+    for (int k = 0; k < 3; k++) {
+        const real_t* w = probe[k];
+        real_t u[2][SSV_NUM_THRUSTERS], sum[2] = {REAL(0), REAL(0)}, squares[2] = {REAL(0), REAL(0)};
+        for (int way = 0; way < 2; way++) {
+            const real_t sign = way == 0 ? REAL(1) : REAL(-1);
+            ssv_alloc(&problem->allocation, vec3(w[0], real_mul(sign, w[1]), real_mul(sign, w[2])),
+                      vec3(w[3], real_mul(sign, w[4]), real_mul(sign, w[5])), u[way]);
+            for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+                sum[way] += real_abs(u[way][i]);
+                squares[way] += real_sq(u[way][i]);
+            }
+        }
+        if (real_abs(sum[0] - sum[1]) > real_mul(EVEN, sum[0])) return false;
+        if (real_abs(squares[0] - squares[1]) > real_mul(EVEN, squares[0])) return false;
     }
-    for (; k > 0 && candidate->price < list[k - 1].price; k--) list[k] = list[k - 1];
-    list[k] = *candidate;
+    return true;
 }
 
-// What a turn by some angle costs, roughly: between the square root of the angle (inertia) and the angle (drag).
-static real_t turn_guess(real_t one_rad, real_t angle) { return real_mul(one_rad, real_sqrt(real_mul(angle, real_sqrt(angle)))); }
-
-// Price of a turn by one radian about z through S.
-static real_t one_radian(const ssv_problem_t* problem, const ssv_assembly_t* assembly) {
-    const vec3_t zero = vec3(REAL(0), REAL(0), REAL(0));
-    const ssv_move_t turn = ssv_move_turn(SSV_TRANSFER, vec3(REAL(0), REAL(0), REAL(1)), REAL(1), zero);
-    ssv_thrusts_t thrusts;
-    ssv_profile_t profile;
-    ssv_ramp_t ramp;
-    ssv_move_thrusts(problem, assembly, turn.twist, &thrusts);
-    return ssv_move_solve(problem, &turn, &thrusts, &profile, &ramp).cost;
+void ssv_cheap_directions(const ssv_problem_t* problem, ssv_directions_t* d) {
+    real_t price[SSV_NUM_DIRECTIONS], least = REAL(0);
+    vec3_t n[SSV_NUM_DIRECTIONS];
+    bool upright[SSV_NUM_DIRECTIONS];
+    int num = 0;
+    for (int x = -1; x <= 1; x++) {
+        for (int y = -1; y <= 1; y++) {
+            for (int z = -1; z <= 1; z++) {
+                if (x == 0 && y == 0 && z == 0) continue;
+                n[num] = vec3_unit(vec3(real_from_int(x), real_from_int(y), real_from_int(z)));
+                upright[num] = z > 0 || (z == 0 && y >= 0);
+                price[num] = ssv_metre_price(problem, n[num]);
+                if (num == 0 || price[num] < least) least = price[num];
+                num++;
+            }
+        }
+    }
+    d->num = d->num_upright = 0;
+    d->least = least;
+    for (int up = 1; up >= 0; up--) {
+        for (int k = 0; k < num; k++) {
+            if (price[k] > real_mul(DIRECTION_SLACK, least) || upright[k] != (up == 1)) continue;
+            d->n[d->num] = n[k];
+            d->price[d->num++] = price[k];
+        }
+        if (up == 1) d->num_upright = d->num;
+    }
+    if (!serves_both_ways_up(problem)) d->num_upright = d->num;
 }
 
-// Travel attitudes for a flight along way_I: cheap body directions, rolled about the line. Where there is no way to go, along
-// other_I. @return how many were written, cheapest first by estimate.
-static int draw(task_t* task, const directions_t* directions, vec3_t way_I, vec3_t other_I, int most, start_t* list) {
-    const real_t distance = vec3_norm(way_I);
-    const vec3_t direction_I = distance > REAL(1e-6) ? vec3_unit(way_I) : other_I;
+// Keeps the cheapest few, cheapest first; of equal ones the first.
+static void keep(start_t* list, int* num, int most, const trial_t* trial, real_t price) {
+    const real_t even = real_mul(EVEN, price);
+    if (*num == most && price >= list[most - 1].price - even) return;
+    for (int k = 0; k < *num; k++) {
+        if (real_abs(list[k].price - price) <= even) return;
+    }
+    int k = *num < most ? (*num)++ : most - 1;
+    for (; k > 0 && price < list[k - 1].price; k--) list[k] = list[k - 1];
+    list[k] = (start_t){*trial, price, REAL(0)};
+}
+
+// Thrusts per rate of the body that turns about S, about its axes x, y, z, and the factors of what a turn costs, roughly.
+typedef struct {
+    real_t accel[SSV_NUM_THRUSTERS][3], linear[SSV_NUM_THRUSTERS][3], quadratic[SSV_NUM_THRUSTERS][3];
+    real_t weight_time, weight_impulse, force_max_N;
+} turns_t;
+
+// Demand of a turn about S at unit rate about x, y and z, the beam held along +y.
+static void demand_of_turns(const task_t* task, ssv_demand_t demand[3]) {
     const ssv_scenario_t* s = &task->problem->scenario;
-    const bool carries = task->phase == SSV_TRANSFER;
-    const vec3_t axis_start = quat_apply(s->X_IB.q, vec3(REAL(0), REAL(0), REAL(1)));
-    const vec3_t axis_end = vec3_scale(task->contact == 1 ? REAL(1) : REAL(-1), s->axis_I);
-    const int mate_rolls = carries ? NUM_MATE_ROLLS : 1;
-    const real_t turn = real_mul(REAL(2), REAL_PI);
     ssv_assembly_t assembly = ssv_vehicle_alone(task->problem);
-    if (carries) {
+    if (task->phase == SSV_TRANSFER) {
         assembly.beam = &s->beam;
         assembly.X_SB = (pose_t){vec3(s->standoff_m, -task->height_m, REAL(0)),
-                                 align(vec3(REAL(0), REAL(0), REAL(1)), vec3(REAL(0), REAL(1), REAL(0)))};
+                                 quat_between(vec3(REAL(0), REAL(0), REAL(1)), vec3(REAL(0), REAL(1), REAL(0)))};
     }
-    const real_t one_rad = one_radian(task->problem, &assembly);
+    for (int k = 0; k < 3; k++) {
+        const vec3_t w = vec3(real_from_int(k == 0), real_from_int(k == 1), real_from_int(k == 2));
+        ssv_body_demand(&assembly, (ssv_twist_t){vec3(REAL(0), REAL(0), REAL(0)), w}, &demand[k]);
+    }
+}
+
+static vec3_t rolled(vec3_t v, real_t cosine, real_t sine) {
+    return vec3(v.x, real_mul(cosine, v.y) - real_mul(sine, v.z), real_mul(sine, v.y) + real_mul(cosine, v.z));
+}
+
+// The same when that beam is rolled about x. (Of a vehicle that is no sphere, and of drag: roughly.)
+static void tabulate_turns(const task_t* task, const ssv_demand_t demand[3], real_t cosine, real_t sine, turns_t* turns) {
+    const ssv_scenario_t* s = &task->problem->scenario;
+    turns->weight_impulse = s->weight_impulse_per_Ns;
+    turns->weight_time = real_max(s->weight_time_per_s, real_mul(REAL(1e-3), s->weight_impulse_per_Ns));
+    turns->force_max_N = s->vehicle.force_max_N;
+    for (int k = 0; k < 3; k++) {
+        const vec3_t w = rolled(vec3(real_from_int(k == 0), real_from_int(k == 1), real_from_int(k == 2)), cosine, -sine);
+        real_t u[3][SSV_NUM_THRUSTERS];
+        for (int part = 0; part < 3; part++) {
+            vec3_t force = vec3(REAL(0), REAL(0), REAL(0)), moment = force;
+            for (int j = 0; j < 3; j++) {
+                const ssv_wrench_t* wrench = part == 0 ? &demand[j].accel : part == 1 ? &demand[j].linear : &demand[j].quadratic;
+                const real_t rate = j == 0 ? w.x : j == 1 ? w.y : w.z;
+                force = vec3_add(force, vec3_scale(rate, wrench->force));
+                moment = vec3_add(moment, vec3_scale(rate, wrench->moment));
+            }
+            ssv_alloc(&task->problem->allocation, rolled(force, cosine, sine), rolled(moment, cosine, sine), u[part]);
+        }
+        for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+            turns->accel[i][k] = u[0][i];
+            turns->linear[i][k] = u[1][i];
+            turns->quadratic[i][k] = u[2][i];
+        }
+    }
+}
+
+static real_t row(const real_t a[3], vec3_t w) { return real_mul(a[0], w.x) + real_mul(a[1], w.y) + real_mul(a[2], w.z); }
+
+// What the turn q (in axes of the body) costs, roughly: W1 angle / v for the way, and for reaching v both what inertia and what
+// drag ask.
+static real_t turn_guess(const turns_t* turns, quat_t q) {
+    const vec3_t e = vec3(q.x, q.y, q.z);
+    const real_t sine = vec3_norm(e);
+    if (sine < REAL(1e-4)) return REAL(0);
+    const real_t angle = real_mul(REAL(2), real_atan2(sine, real_abs(q.w)));
+    const vec3_t w = vec3_scale(real_div(REAL(1), sine), e);
+    real_t most = REAL(0), accel = REAL(0), linear = REAL(0), quadratic = REAL(0), most_drag = REAL(0);
+    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+        const real_t a = real_abs(row(turns->accel[i], w)), c = real_abs(row(turns->quadratic[i], w));
+        most = real_max(most, a);
+        most_drag = real_max(most_drag, c);
+        accel += a;
+        linear += real_abs(row(turns->linear[i], w));
+        quadratic += c;
+    }
+    const real_t W1 = turns->weight_time, W2 = turns->weight_impulse, F = turns->force_max_N, way = real_mul(W1, angle);
+    const real_t rise = real_div(real_mul(W1, most), F) + real_mul(W2, real_mul(REAL(1.5), accel) + real_mul(angle, quadratic));
+    const real_t hurry = real_div(real_mul(real_sq(way), most_drag), F);
+    return real_sqrt(real_mul(REAL(4), real_mul(way, rise)) + hurry) + real_mul(W2, real_mul(angle, linear));
+}
+
+// Starts of the transit: each cheap direction of the body along the way, and those that the attitudes at the ends fly along
+// without a turn, rolled about the way between the attitudes that are the nearest to both ends.
+static int draw_transit(const task_t* task, const ssv_directions_t* directions, int most, start_t* list) {
+    const vec3_t way = vec3_sub(task->X_to.p, task->X_from.p);
+    const real_t distance = vec3_norm(way);
+    const bool flies = distance > NO_WAY_M;
+    const vec3_t direction_I = flies ? vec3_unit(way) : vec3(REAL(1), REAL(0), REAL(0));
+    const quat_t q_end[NUM_ENDS] = {task->X_from.q, task->X_to.q};
     int num = 0;
-    for (int k = 0; k < directions->num; k++) {
-        const quat_t q_line = align(directions->n[k], direction_I);
+    ssv_demand_t demand[3];
+    turns_t turns;
+    demand_of_turns(task, demand);
+    tabulate_turns(task, demand, REAL(1), REAL(0), &turns);
+    for (int k = -NUM_ENDS; k < (flies ? directions->num : 0); k++) {
+        const vec3_t n_S = k < 0 ? quat_apply(quat_conj(q_end[k + NUM_ENDS]), direction_I) : directions->n[k];
+        const real_t fly = real_mul(distance, k < 0 ? ssv_metre_price(task->problem, n_S) : directions->price[k]);
+        if (num == most && fly >= list[most - 1].price) continue;
+        quat_t q[NUM_ENDS];
+        for (int end = 0; end < NUM_ENDS; end++) {
+            q[end] = quat_unit(quat_mul(quat_between(quat_apply(q_end[end], n_S), direction_I), q_end[end]));
+        }
+        const quat_t between = quat_mul(q[1], quat_conj(q[0]));
+        const real_t sine = vec3_dot(vec3(between.x, between.y, between.z), direction_I);
+        const real_t roll = real_mul(REAL(2), real_atan2(between.w < REAL(0) ? -sine : sine, real_abs(between.w)));
         for (int r = 0; r < NUM_ROLLS; r++) {
-            const real_t roll = real_div(real_mul(turn, real_from_int(r)), real_from_int(NUM_ROLLS));
-            start_t start;
-            start.trial.q_IT = quat_unit(quat_mul(quat_from_axis_angle(direction_I, roll), q_line));
-            for (int m = 0; m < mate_rolls; m++) {
-                for (int i = 0; i < MAX_PARAMETERS; i++) start.trial.x[i] = REAL(0);
-                start.price = real_mul(distance, directions->price[k]);
-                if (carries) {
-                    const real_t mate_roll = real_div(real_mul(turn, real_from_int(m)), real_from_int(NUM_MATE_ROLLS));
-                    const vec3_t axis = quat_apply(start.trial.q_IT, vec3(REAL(0), real_cos(mate_roll), real_sin(mate_roll)));
-                    start.trial.x[6] = mate_roll;
-                    start.price += turn_guess(one_rad, angle_between(axis_start, axis)) +
-                                   turn_guess(one_rad, angle_between(axis, axis_end));
-                } else {
-                    start.price += turn_guess(one_rad, turn_angle(task->X_from.q, start.trial.q_IT)) +
-                                   turn_guess(one_rad, turn_angle(start.trial.q_IT, task->X_to.q));
+            const real_t part = real_div(real_mul(roll, real_from_int(r)), real_from_int(NUM_ROLLS - 1));
+            const quat_t q_IT = quat_mul(quat_from_axis_angle(direction_I, part), q[0]);
+            const real_t turning = turn_guess(&turns, quat_mul(quat_conj(q_end[0]), q_IT)) +
+                                   turn_guess(&turns, quat_mul(quat_conj(q_IT), q_end[1]));
+            const trial_t trial = {q_IT, n_S, {REAL(0)}};
+            keep(list, &num, most, &trial, fly + turning);
+            if (!flies) break;
+        }
+    }
+    return num;
+}
+
+static vec3_t rotation_vector(quat_t q) {
+    const vec3_t e = vec3_scale(q.w < REAL(0) ? REAL(-1) : REAL(1), vec3(q.x, q.y, q.z));
+    const real_t sine = vec3_norm(e);
+    if (!(sine > REAL(1e-9))) return vec3(REAL(0), REAL(0), REAL(0));
+    return vec3_scale(real_div(real_mul(REAL(2), real_atan2(sine, real_abs(q.w))), sine), e);
+}
+
+// Sets the vehicle's roll about its contact axis and its attitude so that n_S flies ahead along direction_I and the beam points
+// along axis_I; where no roll does both, nearly.
+static void point_beam(int side, vec3_t direction_I, vec3_t axis_I, trial_t* trial) {
+    const vec3_t n = trial->n_S;
+    const real_t along = vec3_dot(direction_I, axis_I), reach = real_sqrt(real_sq(n.y) + real_sq(n.z));
+    // The roll from where the beam leans on n most, by its cosine.
+    real_t c = along < REAL(0) ? REAL(-1) : REAL(1), s = REAL(0);
+    if (reach > real_abs(along)) {
+        c = real_div(along, reach);
+        s = real_mul(real_from_int(side), real_sqrt(real_max(REAL(0), REAL(1) - real_sq(c))));
+    }
+    const real_t y = reach > REAL(0) ? real_div(n.y, reach) : REAL(1), z = reach > REAL(0) ? real_div(n.z, reach) : REAL(0);
+    const vec3_t axis_S = vec3(REAL(0), real_mul(y, c) - real_mul(z, s), real_mul(z, c) + real_mul(y, s));
+    trial->x[MATE_ROLL] = real_atan2(axis_S.z, axis_S.y);
+    trial->q_IT = attitude(n, axis_S, direction_I, axis_I);
+}
+
+static void set_twist(vec3_t twist, trial_t* trial) {
+    trial->x[TWIST] = twist.x;
+    trial->x[TWIST + 1] = twist.y;
+    trial->x[TWIST + 2] = twist.z;
+}
+
+// What the draws of a transfer have in common.
+typedef struct {
+    const task_t* task;
+    vec3_t axis_I[NUM_ENDS], hold_I[NUM_ENDS], way;
+} scene_t;
+
+static quat_t spin_about(vec3_t axis, int spin) {
+    const real_t sine = spin_half_sine[spin];
+    return (quat_t){spin_half_cosine[spin], real_mul(sine, axis.x), real_mul(sine, axis.y), real_mul(sine, axis.z)};
+}
+
+// Keeps a trial, and the same with the turn at one end spun about the beam's axis there, by their guessed prices.
+static void keep_spins(const scene_t* scene, const turns_t* turns, int spun_end, int num_spins, real_t metre_price, real_t carried,
+                       trial_t* trial, int most, start_t* list, int* num) {
+    const vec3_t axis_I = scene->axis_I[spun_end];
+    quat_t q_IT[NUM_ENDS], q_IS[NUM_ENDS];
+    vec3_t p_IS[NUM_ENDS];
+    travel_attitudes(trial, scene->way, q_IT);
+    ends(scene->task, trial, q_IT, q_IS);
+    const real_t other = turn_guess(turns, quat_mul(quat_conj(q_IS[1 - spun_end]), q_IT[1 - spun_end]));
+    const quat_t unspun = q_IS[spun_end];
+    for (int spin = 0; spin < num_spins; spin++) {
+        if (spin > 0) q_IS[spun_end] = quat_mul(spin_about(axis_I, spin), unspun);
+        trial->x[SPIN + spun_end] = real_mul(SPIN_STEP, real_from_int(spin));
+        stands(scene->task, scene->hold_I, q_IS, p_IS);
+        const real_t fly = real_mul(vec3_norm(vec3_sub(p_IS[1], p_IS[0])), metre_price);
+        const real_t turning = turn_guess(turns, quat_mul(quat_conj(q_IS[spun_end]), q_IT[spun_end]));
+        keep(list, num, most, trial, fly + other + turning + carried);
+    }
+}
+
+// Starts of the transfer. Two small turns cost more than one large: so each cheap direction of the body along the way, the beam
+// pointing as it lies, or as it docks, and the turn at the other end with all its spins. Or all of the turn is made on the way.
+// The spins also decide on which sides of the beam the flight begins and ends, so how long it is.
+static int draw_transfer(const task_t* task, const ssv_directions_t* directions, carry_t carry, int most, start_t* list) {
+    const bool given = task->problem->scenario.ring_angle_given;
+    scene_t scene = {.task = task, .axis_I = {beam_axis_start(task), beam_axis_end(task)}};
+    hold_points(task, scene.hold_I);
+    scene.way = vec3_sub(scene.hold_I[1], scene.hold_I[0]);
+    const vec3_t direction_I = vec3_norm(scene.way) > NO_WAY_M ? vec3_unit(scene.way) : scene.axis_I[0];
+    ssv_demand_t demand[3];
+    demand_of_turns(task, demand);
+    turns_t turns;
+    tabulate_turns(task, demand, REAL(1), REAL(0), &turns);
+    int num = 0;
+    const quat_t smallest = quat_between(scene.axis_I[0], scene.axis_I[1]);
+    for (int spin = 0; carry == SWUNG && spin < NUM_SPINS; spin++) {
+        // From where the beam lies to where it docks, half of that before the middle of the way.
+        const quat_t swing = quat_mul(spin_about(scene.axis_I[1], spin), smallest);
+        const vec3_t half = vec3_scale(REAL(0.5), rotation_vector(swing));
+        const vec3_t axis_I = quat_apply(turned_by(quat_identity(), half), scene.axis_I[0]);
+        for (int k = 0; k < directions->num_upright; k++) {
+            for (int side = -1; side <= 1; side += 2) {
+                trial_t trial = {quat_identity(), directions->n[k], {REAL(0)}};
+                point_beam(side, direction_I, axis_I, &trial);
+                const quat_t q_SI = quat_conj(trial.q_IT);
+                set_twist(quat_apply(q_SI, half), &trial);
+                const real_t carried = real_mul(SWING_SHARE, turn_guess(&turns, quat_mul(quat_mul(q_SI, swing), trial.q_IT)));
+                keep_spins(&scene, &turns, 1, 1, directions->price[k], carried, &trial, most, list, &num);
+            }
+        }
+    }
+    for (int end = 0; carry != SWUNG && end < NUM_ENDS; end++) {
+        for (int k = 0; k < directions->num_upright; k++) {
+            for (int side = -1; side <= 1; side += 2) {
+                trial_t trial = {quat_identity(), directions->n[k], {REAL(0)}};
+                point_beam(side, direction_I, scene.axis_I[end], &trial);
+                const vec3_t axis_S = beam_axis_S(trial.x[MATE_ROLL]);
+                if (carry == ROLLED) {
+                    const quat_t q_other = attitude(trial.n_S, axis_S, direction_I, scene.axis_I[1 - end]);
+                    const vec3_t half = vec3_scale(REAL(0.5), rotation_vector(quat_mul(quat_conj(trial.q_IT), q_other)));
+                    trial.q_IT = turned_by(trial.q_IT, half);
+                    set_twist(end == 0 ? half : vec3_neg(half), &trial);
                 }
-                keep(list, &num, most, &start);
+                tabulate_turns(task, demand, axis_S.y, axis_S.z, &turns);
+                keep_spins(&scene, &turns, 1 - end, end == 1 && given ? 1 : NUM_SPINS, directions->price[k], REAL(0), &trial,
+                           most, list, &num);
             }
         }
     }
@@ -270,53 +578,114 @@ static void sort(start_t* list, int num) {
     for (int i = 1; i < num; i++) {
         const start_t item = list[i];
         int k = i;
-        for (; k > 0 && item.price < list[k - 1].price; k--) list[k] = list[k - 1];
+        for (; k > 0 && item.price +item.transit_price< list[k - 1].price+list[k-1].transit_price - real_mul(EVEN, item.price); k--) list[k] = list[k - 1];
         list[k] = item;
     }
 }
 
-// Prices the starts, refines the cheapest if asked to, and lays out the best motion.
-static bool settle(task_t* task, const budget_t* budget, bool thorough, start_t* list, int num, motion_t* motion) {
-    int priced = 0;
-    for (int k = 0; k < num; k++) {
-        if (try_price(task, &list[k].trial, &list[k].price)) list[priced++] = list[k];
-    }
-    if (priced == 0) return false;
-    sort(list, priced);
-    for (int k = 0; thorough && k < priced && k < budget->refined; k++) {
-        refine(task, budget->sweeps, &list[k].trial, &list[k].price);
-    }
-    sort(list, priced);
-    lay(task, &list[0].trial, motion);
-    ssv_flight_price(task->problem, &motion->assembly, motion->X_from, &motion->flight);
-    return motion->flight.price.outcome == SSV_FEASIBLE;
+static void price_all(task_t* task, start_t* list, int num) {
+    for (int k = 0; k < num; k++) list[k].price = try_price(task, &list[k].trial);
+    sort(list, num);
 }
 
-void ssv_search_optimal(const ssv_problem_t* problem, int contact, real_t height_m, ssv_effort_t effort, bool thorough,
-                        ssv_chain_t* best, int* num_priced) {
-    const ssv_scenario_t* s = &problem->scenario;
-    const budget_t* budget = &budgets[effort];
-    const vec3_t axis_start = quat_apply(s->X_IB.q, vec3(REAL(0), REAL(0), REAL(1)));
-    directions_t directions;
+static void refine_first(task_t* task, int most, int sweeps, start_t* list, int num) {
+    for (int k = 0; k < most && k < num; k++) refine(task, sweeps, &list[k].trial, &list[k].price);
+    sort(list, most < num ? most : num);
+}
+
+// ---- The search ---------------------------------------------------------------------------------------------------------
+
+// The same transfer with the vehicle the other way up: rolled half a turn about its contact axis.
+static trial_t other_way_up(const trial_t* trial) {
+    const quat_t half_turn = {REAL(0), REAL(1), REAL(0), REAL(0)};
+    trial_t other = *trial;
+    other.q_IT = quat_mul(trial->q_IT, half_turn);
+    other.n_S = quat_apply(half_turn, trial->n_S);
+    other.x[MATE_ROLL] += REAL_PI;
+    for (int k = 0; k < NUM_TRANSFER; k++) {
+        if (k % 3 != 0 && (k < NUM_TRANSIT || k >= PIVOT)) other.x[k] = -other.x[k];
+    }
+    return other;
+}
+
+// The cheapest transit to where this transfer begins. @return its price.
+static real_t find_transit(task_t* carry, const ssv_directions_t* directions, const budget_t* budget, const trial_t* transfer,
+                           trial_t* transit) {
+    motion_t motion;
     start_t list[MAX_STARTS];
-    motion_t to_port, to_beam;
-    cheap_directions(problem, &directions);
+    lay(carry, transfer, &motion);
+    task_t fly = transit_to(carry, motion.X_from);
+    const int num = draw_transit(&fly, directions, budget->starts, list);
+    price_all(&fly, list, num);
+    refine_first(&fly, budget->transit.refined, budget->transit.sweeps, list, num);
+    carry->num_priced += fly.num_priced;
+    *transit = list[0].trial;
+    return list[0].price;
+}
 
-    // The phases hang together by little more than the height: the transfer is chosen first, the transit flies to where it starts.
-    task_t carry = {problem, SSV_TRANSFER, contact, height_m, s->X_IS, s->X_IS, MAX_PARAMETERS, 0};
-    const real_t from_contact = real_abs(ssv_grasp_contact(s, contact).z - height_m);
-    const vec3_t way = vec3_sub(vec3_add(s->p_IP_m, vec3_scale(from_contact, s->axis_I)),
-                                vec3_add(s->X_IB.p, vec3_scale(height_m, axis_start)));
-    int num = draw(&carry, &directions, way, axis_start, budget->starts, list);
-    const bool carried = settle(&carry, budget, thorough, list, num, &to_port);
+static void search(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
+                   const budget_t* budget, motion_t motion[2], real_t* price, int* num_priced) {
+    static const budget_t glance = {.starts = 1};
+    const ssv_scenario_t* s = &problem->scenario;
+    start_t list[NUM_CARRIES * MAX_STARTS];
+    trial_t transit;
+    task_t carry = {problem, SSV_TRANSFER, contact, height_m, s->X_IS, s->X_IS, NULL, 0};
+    int num = 0;
+    for (int kind = 0; kind < budget->kinds; kind++) {
+        num += draw_transfer(&carry, directions, (carry_t)kind, budget->starts, &list[num]);
+    }
+    price_all(&carry, list, num);
+    if (budget->ways_up > 0 && num > budget->ways_up) num = budget->ways_up;
+    for (int k = 0; k < budget->ways_up && k < num; k++) {
+        start_t other = list[k];
+        other.trial = other_way_up(&list[k].trial);
+        other.price = try_price(&carry, &other.trial);
+        list[k].transit_price = find_transit(&carry, directions, &glance, &list[k].trial, &transit);
+        other.transit_price = find_transit(&carry, directions, &glance, &other.trial, &transit);
+        if (other.price + other.transit_price < list[k].price + list[k].transit_price) list[k] = other;
+    }
+    sort(list, num);
+    for (int n = 0; n < NUM_ROUNDS; n++) refine_first(&carry, budget->rounds[n].refined, budget->rounds[n].sweeps, list, num);
+    trial_t* const transfer = &list[0].trial;
+    *price = list[0].price + find_transit(&carry, directions, budget, transfer, &transit);
+    carry.transit = &transit;
+    for (int n = 0; n < budget->joint.refined; n++) refine(&carry, budget->joint.sweeps, transfer, price);
+    lay(&carry, transfer, &motion[SSV_TRANSFER]);
+    const task_t fly = transit_to(&carry, motion[SSV_TRANSFER].X_from);
+    lay(&fly, &transit, &motion[SSV_TRANSIT]);
     *num_priced += carry.num_priced;
-    best->grasp = (ssv_grasp_t){contact, height_m, REAL(0)};
-    best->price = (ssv_price_t){SSV_NO_AUTHORITY, REAL(0), REAL(0), REAL(0)};
-    if (!carried) return;
+}
 
-    task_t fly = {problem, SSV_TRANSIT, contact, height_m, s->X_IS, to_port.X_from, 6, 0};
-    num = draw(&fly, &directions, vec3_sub(to_port.X_from.p, s->X_IS.p), axis_start, budget->starts, list);
-    const bool flown = settle(&fly, budget, thorough, list, num, &to_beam);
-    *num_priced += fly.num_priced;
-    if (flown) ssv_chain_join(&to_port.grasp, &to_beam.flight, &to_port.flight, to_port.assembly.X_SB, best);
+real_t ssv_optimal_flights(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m) {
+    const ssv_scenario_t* s = &problem->scenario;
+    const task_t carry = {problem, SSV_TRANSFER, contact, height_m, s->X_IS, s->X_IS, NULL, 0};
+    vec3_t hold_I[NUM_ENDS];
+    hold_points(&carry, hold_I);
+    const real_t there = vec3_norm(vec3_sub(hold_I[0], s->X_IS.p)), on = vec3_norm(vec3_sub(hold_I[1], hold_I[0]));
+    return real_mul(directions->least, real_max(REAL(0), there - s->standoff_m) +
+                                           real_max(REAL(0), on - real_mul(REAL(2), s->standoff_m)));
+}
+
+real_t ssv_optimal_look(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
+                        int* num_priced) {
+    static const budget_t budget = {.kinds = 2, .starts = 1};
+    motion_t motion[2];
+    real_t price;
+    search(problem, directions, contact, height_m, &budget, motion, &price, num_priced);
+    return price;
+}
+
+void ssv_search_optimal(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
+                        ssv_effort_t effort, ssv_chain_t* best, int* num_priced) {
+    static const budget_t budgets[] = {
+        [SSV_EFFORT_QUICK] = {2, 2, 1, {{1, 1}, {0, 0}, {0, 0}}, {1, 1}, {0, 0}},
+        [SSV_EFFORT_BEST] = {NUM_CARRIES, MAX_STARTS, 8, {{8, 3}, {3, 4}, {1, 4}}, {1, 4}, {3, 4}}};
+    motion_t motion[2];
+    real_t price;
+    search(problem, directions, contact, height_m, &budgets[effort], motion, &price, num_priced);
+    for (int phase = 0; phase < 2; phase++) {
+        ssv_flight_price(problem, &motion[phase].assembly, motion[phase].X_from, &motion[phase].flight);
+    }
+    ssv_chain_join(&motion[SSV_TRANSFER].grasp, &motion[SSV_TRANSIT].flight, &motion[SSV_TRANSFER].flight,
+                   motion[SSV_TRANSFER].assembly.X_SB, best);
 }

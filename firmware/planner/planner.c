@@ -3,9 +3,9 @@
 #include "planner/quote.h"
 #include "planner/timeline.h"
 
-// Solves the move once more and writes its leg, pieces and segments.
+// Solves the move once more and writes its leg and pieces.
 static ssv_outcome_t add_leg(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t* move, pose_t X_IS,
-                             real_t drift_max_s2, ssv_plan_t* plan) {
+                             ssv_plan_t* plan) {
     ssv_thrusts_t thrusts;
     ssv_profile_t profile;
     ssv_ramp_t ramp;
@@ -13,29 +13,21 @@ static ssv_outcome_t add_leg(const ssv_problem_t* problem, const ssv_assembly_t*
     const ssv_price_t price = ssv_move_solve(problem, move, &thrusts, &profile, &ramp);
     if (price.outcome != SSV_FEASIBLE) return price.outcome;
     if (plan->num_pieces + profile.num_pieces > SSV_MAX_PIECES) return SSV_TOO_MANY_PIECES;
-    const int index = plan->num_legs++;
-    ssv_leg_t* leg = &plan->leg[index];
-    leg->phase = move->phase;
-    leg->kind = move->kind;
-    leg->ramp = ramp;
-    leg->t_start_s = plan->quote.time_s;
-    leg->duration_s = price.time_s;
-    leg->impulse_Ns = price.impulse_Ns;
-    leg->length = move->length;
-    leg->peak_speed = profile.peak_speed;
-    leg->v_S = move->twist.v;
-    leg->w_S = move->twist.w;
-    leg->X_IS_start = X_IS;
-    leg->X_IS_end = ssv_move_pose(X_IS, move->twist, move->length);
-    leg->first_piece = plan->num_pieces;
-    leg->num_pieces = profile.num_pieces;
-    for (int k = 0; k < profile.num_pieces; k++) {
-        const ssv_piece_t* piece = &profile.piece[k];
-        plan->piece[plan->num_pieces++] = *piece;
-        const real_t t_s = plan->quote.time_s + piece->t_s;
-        const ssv_outcome_t cut = ssv_timeline_append(&thrusts, piece, t_s, index, drift_max_s2, plan);
-        if (cut != SSV_FEASIBLE) return cut;
-    }
+    plan->leg[plan->num_legs++] = (ssv_leg_t){.phase = move->phase,
+                                              .kind = move->kind,
+                                              .ramp = ramp,
+                                              .t_start_s = plan->quote.time_s,
+                                              .duration_s = price.time_s,
+                                              .impulse_Ns = price.impulse_Ns,
+                                              .length = move->length,
+                                              .peak_speed = profile.peak_speed,
+                                              .v_S = move->twist.v,
+                                              .w_S = move->twist.w,
+                                              .X_IS_start = X_IS,
+                                              .X_IS_end = ssv_move_pose(X_IS, move->twist, move->length),
+                                              .first_piece = plan->num_pieces,
+                                              .num_pieces = profile.num_pieces};
+    for (int k = 0; k < profile.num_pieces; k++) plan->piece[plan->num_pieces++] = profile.piece[k];
     plan->quote.time_s += price.time_s;
     plan->quote.impulse_Ns += price.impulse_Ns;
     plan->quote.cost += price.cost;
@@ -46,21 +38,22 @@ static void add_event(ssv_plan_t* plan, ssv_event_kind_t kind) {
     plan->event[plan->num_events++] = (ssv_event_t){plan->quote.time_s, kind};
 }
 
-// Writes the motion of a chain: legs, pieces, timeline, events, final poses.
-static ssv_outcome_t write_motion(const ssv_problem_t* problem, const ssv_chain_t* chain, real_t drift_max_s2, ssv_plan_t* plan) {
+static ssv_assembly_t assembly_in(const ssv_problem_t* problem, ssv_phase_t phase, pose_t X_SB) {
     const ssv_scenario_t* scenario = &problem->scenario;
-    ssv_assembly_t assembly = {&scenario->vehicle, NULL, chain->X_SB};
-    pose_t X_IS = scenario->X_IS;
+    return (ssv_assembly_t){&scenario->vehicle, phase == SSV_TRANSFER ? &scenario->beam : NULL, X_SB};
+}
+
+// Writes the motion of a chain: legs, pieces, events, final poses.
+static ssv_outcome_t write_motion(const ssv_problem_t* problem, const ssv_chain_t* chain, ssv_plan_t* plan) {
+    pose_t X_IS = problem->scenario.X_IS;
     plan->quote.time_s = plan->quote.impulse_Ns = plan->quote.cost = REAL(0);
-    plan->num_legs = plan->num_pieces = plan->num_segments = plan->num_events = 0;
+    plan->num_legs = plan->num_pieces = plan->num_events = 0;
     for (int k = 0; k < chain->num_moves; k++) {
         const ssv_move_t* move = &chain->move[k];
-        if (move->phase == SSV_TRANSFER && assembly.beam == NULL) {
-            add_event(plan, SSV_MATE);
-            assembly.beam = &scenario->beam;
-        }
+        if (move->phase == SSV_TRANSFER && plan->num_events == 0) add_event(plan, SSV_MATE);
         if (!(move->length > REAL(0))) continue;
-        const ssv_outcome_t outcome = add_leg(problem, &assembly, move, X_IS, drift_max_s2, plan);
+        const ssv_assembly_t assembly = assembly_in(problem, move->phase, chain->X_SB);
+        const ssv_outcome_t outcome = add_leg(problem, &assembly, move, X_IS, plan);
         if (outcome != SSV_FEASIBLE) return outcome;
         X_IS = plan->leg[plan->num_legs - 1].X_IS_end;
     }
@@ -71,15 +64,34 @@ static ssv_outcome_t write_motion(const ssv_problem_t* problem, const ssv_chain_
     return SSV_FEASIBLE;
 }
 
-// How closely the timeline is cut [s2]: as finely as the plan's memory allows.
-#define NUM_DRIFTS 6
-static const real_t drift_max_s2[NUM_DRIFTS] = {REAL(1e-6), REAL(4e-6), REAL(1.6e-5), REAL(6.4e-5), REAL(2.5e-4), REAL(1e-3)};
+static ssv_outcome_t write_timeline(const ssv_problem_t* problem, real_t drift_max_s2, ssv_plan_t* plan) {
+    plan->num_segments = 0;
+    for (int index = 0; index < plan->num_legs; index++) {
+        const ssv_leg_t* leg = &plan->leg[index];
+        const ssv_assembly_t assembly = assembly_in(problem, leg->phase, plan->X_SB);
+        const ssv_twist_t twist = {leg->v_S, leg->w_S};
+        ssv_thrusts_t thrusts;
+        ssv_move_thrusts(problem, &assembly, twist, &thrusts);
+        for (int k = 0; k < leg->num_pieces; k++) {
+            const ssv_piece_t* piece = &plan->piece[leg->first_piece + k];
+            const real_t t_s = leg->t_start_s + piece->t_s;
+            const ssv_outcome_t outcome = ssv_timeline_append(&thrusts, piece, t_s, index, drift_max_s2, plan);
+            if (outcome != SSV_FEASIBLE) return outcome;
+        }
+    }
+    return SSV_FEASIBLE;
+}
 
-// Writes the chain with the finest timeline that fits.
+// How closely the timeline is cut [s2]: where the first asks for more segments than there is room for, more coarsely.
+#define NUM_DRIFTS 4
+static const real_t drift_max_s2[NUM_DRIFTS] = {REAL(1.6e-5), REAL(6.4e-5), REAL(2.5e-4), REAL(1e-3)};
+
 static ssv_outcome_t write_plan(const ssv_problem_t* problem, const ssv_chain_t* chain, ssv_plan_t* plan) {
-    ssv_outcome_t outcome = SSV_TOO_MANY_SEGMENTS;
+    ssv_outcome_t outcome = write_motion(problem, chain, plan);
+    if (outcome != SSV_FEASIBLE) return outcome;
+    outcome = SSV_TOO_MANY_SEGMENTS;
     for (int n = 0; n < NUM_DRIFTS && outcome == SSV_TOO_MANY_SEGMENTS; n++) {
-        outcome = write_motion(problem, chain, drift_max_s2[n], plan);
+        outcome = write_timeline(problem, drift_max_s2[n], plan);
     }
     return outcome;
 }

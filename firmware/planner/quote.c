@@ -6,9 +6,6 @@
 // No price is above it.
 #define NEVER_GIVE_UP REAL(1e9)
 
-// Candidates that method optimal searches thoroughly, by effort: the cheapest after a first look at all.
-static const int num_thorough[] = {[SSV_EFFORT_QUICK] = 1, [SSV_EFFORT_BEST] = 3};
-
 static ssv_candidate_t candidate_of(const ssv_chain_t* chain) {
     ssv_candidate_t candidate = {chain->grasp.contact, chain->grasp.height_m, chain->grasp.ring_angle_rad, chain->price.outcome,
                                  REAL(0), REAL(0), REAL(0)};
@@ -20,12 +17,12 @@ static ssv_candidate_t candidate_of(const ssv_chain_t* chain) {
     return candidate;
 }
 
-// The cheapest candidate that is still feasible and not done; -1 if there is none.
-static int cheapest(const ssv_quote_t* quote, const bool done[SSV_MAX_CANDIDATES]) {
+// The cheapest candidate that is still feasible; -1 if there is none.
+static int cheapest(const ssv_quote_t* quote) {
     int best = -1;
     for (int k = 0; k < quote->num_candidates; k++) {
         const ssv_candidate_t* candidate = &quote->candidate[k];
-        if (done[k] || candidate->outcome != SSV_FEASIBLE) continue;
+        if (candidate->outcome != SSV_FEASIBLE) continue;
         if (best < 0 || candidate->cost < quote->candidate[best].cost) best = k;
     }
     return best;
@@ -60,21 +57,47 @@ static void search_paper(const ssv_problem_t* problem, real_t give_up, ssv_quote
     }
 }
 
-// A first look at every candidate, then a thorough search of the cheapest.
+// Candidates that method optimal looks at, by effort: those with the shortest ways; and how many of the most promising it
+// searches.
+static const int num_looks[] = {[SSV_EFFORT_QUICK] = 3, [SSV_EFFORT_BEST] = SSV_MAX_CANDIDATES};
+static const int num_searched[] = {[SSV_EFFORT_QUICK] = 1, [SSV_EFFORT_BEST] = 2};
+
+// The least of the prices that is not done; -1 if there is none.
+static int least_of(const real_t price[SSV_MAX_CANDIDATES], const bool done[SSV_MAX_CANDIDATES], int num) {
+    int least = -1;
+    for (int k = 0; k < num; k++) {
+        if (!done[k] && (least < 0 || price[k] < price[least])) least = k;
+    }
+    return least;
+}
+
+// A look at the candidates with short ways, then a search of the most promising; of all if all are to be listed.
 static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ssv_quote_t* quote, ssv_chain_t* best) {
-    bool done[SSV_MAX_CANDIDATES] = {false};
-    ssv_chain_t chain;
+    const bool all = problem->scenario.want_candidates;
+    real_t promise[SSV_MAX_CANDIDATES], least = NEVER_GIVE_UP;
+    bool looked[SSV_MAX_CANDIDATES] = {false}, done[SSV_MAX_CANDIDATES] = {false};
+    ssv_directions_t directions;
+    ssv_cheap_directions(problem, &directions);
     for (int k = 0; k < quote->num_candidates; k++) {
         const ssv_candidate_t* candidate = &quote->candidate[k];
-        ssv_search_optimal(problem, candidate->contact, candidate->attach_height_m, effort, false, &chain, &quote->num_priced);
-        improve(quote, k, &chain, best);
+        promise[k] = ssv_optimal_flights(problem, &directions, candidate->contact, candidate->attach_height_m);
     }
-    for (int n = 0; n < num_thorough[effort]; n++) {
-        const int next = cheapest(quote, done);
+    for (int n = 0; n < quote->num_candidates; n++) {
+        const int next = least_of(promise, looked, quote->num_candidates);
+        const ssv_candidate_t* candidate = &quote->candidate[next];
+        looked[next] = true;
+        done[next] = !all && (n >= num_looks[effort] || promise[next] >= least);
+        if (done[next]) continue;
+        promise[next] = ssv_optimal_look(problem, &directions, candidate->contact, candidate->attach_height_m, &quote->num_priced);
+        least = real_min(least, promise[next]);
+    }
+    for (int n = 0; n < (all ? quote->num_candidates : num_searched[effort]); n++) {
+        const int next = least_of(promise, done, quote->num_candidates);
         if (next < 0) break;
         const ssv_candidate_t* candidate = &quote->candidate[next];
+        ssv_chain_t chain;
         done[next] = true;
-        ssv_search_optimal(problem, candidate->contact, candidate->attach_height_m, effort, true, &chain, &quote->num_priced);
+        ssv_search_optimal(problem, &directions, candidate->contact, candidate->attach_height_m, effort, &chain, &quote->num_priced);
         improve(quote, next, &chain, best);
     }
 }
@@ -98,10 +121,9 @@ bool ssv_choose(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* b
 }
 
 bool ssv_choose_another(const ssv_problem_t* problem, ssv_outcome_t outcome, ssv_quote_t* quote, ssv_chain_t* chain) {
-    static const bool none_done[SSV_MAX_CANDIDATES] = {false};
-    int k = cheapest(quote, none_done);
+    int k = cheapest(quote);
     if (k >= 0) quote->candidate[k].outcome = outcome;
-    k = cheapest(quote, none_done);
+    k = cheapest(quote);
     if (k < 0) return false;
     const ssv_candidate_t* candidate = &quote->candidate[k];
     (void)ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, NEVER_GIVE_UP, chain, &quote->num_priced);

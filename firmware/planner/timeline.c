@@ -1,30 +1,37 @@
 #include "planner/timeline.h"
 
-#include "planner/gauss.h"
-
 #define N SSV_NUM_THRUSTERS
 #define MAX_TRIALS 24
-#define NUM_CHECKS 5
-
-// Errors are looked at in NUM_CHECKS places only; between them they may be this much larger.
+// Gauss-Legendre on [0, 1].
+#define NUM_NODES 4
+// Errors are looked at in those places and at both ends only; between them they may be this much larger.
+#define NUM_CHECKS (NUM_NODES + 2)
 #define CHECK_MARGIN REAL(0.9)
 
-// Integrals over a stretch of v and v^2, each also times the fraction of the stretch that has passed less one half.
+static const real_t node[NUM_NODES] = {REAL(0.069431844202973712), REAL(0.33000947820757187), REAL(0.66999052179242813),
+                                       REAL(0.93056815579702629)};
+static const real_t weight[NUM_NODES] = {REAL(0.17392742256872693), REAL(0.32607257743127307), REAL(0.32607257743127307),
+                                         REAL(0.17392742256872693)};
+
+// A stretch of a piece: where it is looked at and how fast the body is there, and integrals over it of v and v^2, also times
+// the fraction of the stretch that has passed less one half.
 typedef struct {
+    real_t at[NUM_CHECKS], v[NUM_CHECKS];
     ssv_moments_t mean;
     real_t v_lean, v2_lean;
 } stretch_t;
 
-static stretch_t integrate(const ssv_piece_t* piece, real_t t, real_t h) {
-    stretch_t r = {ssv_piece_moments(piece, ssv_piece_speed(piece, t), ssv_piece_speed(piece, t + h), h), REAL(0), REAL(0)};
-    for (int k = 0; k < GAUSS_NODES; k++) {
-        const real_t lean = real_mul(REAL(0.5), gauss_node[k]);
-        const real_t v = ssv_piece_speed(piece, t + real_mul(h, REAL(0.5) + lean));
-        const real_t weight = real_mul(real_mul(REAL(0.5), real_mul(gauss_weight[k], h)), lean);
-        r.v_lean += real_mul(weight, v);
-        r.v2_lean += real_mul(weight, real_sq(v));
+static void look_at(const ssv_piece_t* piece, real_t t, real_t h, stretch_t* stretch) {
+    stretch->v_lean = stretch->v2_lean = REAL(0);
+    for (int k = 0; k < NUM_CHECKS; k++) {
+        stretch->at[k] = k < NUM_NODES ? node[k] : real_from_int(k - NUM_NODES);
+        const real_t v = stretch->v[k] = ssv_piece_speed(piece, t + real_mul(h, stretch->at[k]));
+        if (k >= NUM_NODES) continue;
+        const real_t lean = real_mul(real_mul(weight[k], h), node[k] - REAL(0.5));
+        stretch->v_lean += real_mul(lean, v);
+        stretch->v2_lean += real_mul(lean, real_sq(v));
     }
-    return r;
+    stretch->mean = ssv_piece_moments(piece, stretch->v[NUM_NODES], stretch->v[NUM_NODES + 1], h);
 }
 
 // The straight line with the exact impulse and the exact first moment, so that neither speed nor distance is lost; turned
@@ -42,11 +49,8 @@ static void fit(const real_t c[3], const stretch_t* stretch, real_t limit, real_
 
 // Fills the segment's thrusts for a stretch of the piece; returns the largest error over force_max.
 static real_t fit_all(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t t, real_t h, ssv_segment_t* segment) {
-    const stretch_t stretch = integrate(piece, t, h);
-    real_t v[NUM_CHECKS];
-    for (int k = 0; k < NUM_CHECKS; k++) {
-        v[k] = ssv_piece_speed(piece, t + real_mul(h, real_div(real_from_int(k), real_from_int(NUM_CHECKS - 1))));
-    }
+    stretch_t stretch;
+    look_at(piece, t, h, &stretch);
     real_t worst = REAL(0);
     for (int i = 0; i < N; i++) {
         real_t c[3];
@@ -54,8 +58,8 @@ static real_t fit_all(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, re
         fit(c, &stretch, thrusts->force_max_N, &segment->u_start_N[i], &segment->u_end_N[i]);
         const real_t rise = segment->u_end_N[i] - segment->u_start_N[i];
         for (int k = 0; k < NUM_CHECKS; k++) {
-            const real_t along = real_div(real_from_int(k), real_from_int(NUM_CHECKS - 1));
-            worst = real_max(worst, real_abs(ssv_quadratic_at(c, v[k]) - segment->u_start_N[i] - real_mul(along, rise)));
+            const real_t line = segment->u_start_N[i] + real_mul(stretch.at[k], rise);
+            worst = real_max(worst, real_abs(ssv_quadratic_at(c, stretch.v[k]) - line));
         }
     }
     return real_div(worst, thrusts->force_max_N);

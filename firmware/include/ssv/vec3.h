@@ -106,6 +106,15 @@ static inline quat_t quat_from_axis_angle(vec3_t axis, real_t angle_rad) {
     return r;
 }
 
+/// The smallest rotation that takes unit vector from to unit vector to; about any axis across if they are opposite.
+static inline quat_t quat_between(vec3_t from, vec3_t to) {
+    const vec3_t e = vec3_cross(from, to);
+    const quat_t q = {REAL(1) + vec3_dot(from, to), e.x, e.y, e.z};
+    const vec3_t side = vec3_perpendicular(from);
+    const quat_t half_turn = {REAL(0), side.x, side.y, side.z};
+    return quat_norm(q) > REAL(1e-8) ? quat_unit(q) : half_turn;
+}
+
 /// X_AC = X_AB X_BC.
 static inline pose_t pose_mul(pose_t X_AB, pose_t X_BC) {
     const pose_t r = {vec3_add(X_AB.p, quat_apply(X_AB.q, X_BC.p)), quat_unit(quat_mul(X_AB.q, X_BC.q))};
