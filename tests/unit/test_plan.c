@@ -167,11 +167,15 @@ static void test_quote_lists_candidates_only_when_asked_and_prices_the_same_eith
 }
 
 static void test_optimal_comes_close_to_coupled_motion_on_the_case_study(void) {
-    // The least J known for the case study of model paper, from direct collocation of motion that turns and flies at once, and
-    // how far above it either effort may stay.
+    // The least J known for the case study of model paper, from direct collocation of motion that turns and flies at once,
+    // and how far above it either effort may stay.
     static const struct {
         double time, impulse, coupled_optimum, slack[2];
-    } row[] = {{1, 0.1, 628.8, {0.04, 0.02}}, {1, 1, 3699.7, {0.03, 0.015}}, {0.01, 1, 3399.2, {0.01, 0.005}}};
+    } row[] = {
+        {1, 0.1, 628.8, {0.04, 0.02}},
+        {1, 1, 3699.7, {0.03, 0.015}},
+        {0.01, 1, 3399.2, {0.01, 0.005}},
+    };
     for (size_t k = 0; k < sizeof row / sizeof row[0]; k++) {
         for (int effort = SSV_EFFORT_QUICK; effort <= SSV_EFFORT_BEST; effort++) {
             ssv_scenario_t s = task_case_study(false);
