@@ -12,6 +12,8 @@
 #include "ssv/answer.h"
 
 #define RESEND_PERIOD_S 0.5
+/// No datagram is larger. liblcm gives the start of one, cut within its channel's name, a negative size.
+#define DATAGRAM_SIZE_MAX 65535
 
 /// One question and the wait for its answer, which is a plan or quotes.
 typedef struct {
@@ -86,7 +88,7 @@ static bool skip_quote(const uint8_t* data, size_t size, size_t* at) {
 
 static bool plan_is_decodable(const uint8_t* data, size_t size) {
     const size_t counts_end = 8 + 3 * 4;
-    if (size < counts_end || read_u64(data) != (uint64_t)__lcm_ssv_plan_t_get_hash()) {
+    if (size < counts_end || size > DATAGRAM_SIZE_MAX || read_u64(data) != (uint64_t)__lcm_ssv_plan_t_get_hash()) {
         return false;
     }
     const uint32_t num_legs = read_u32(data + 8), num_segments = read_u32(data + 12), num_events = read_u32(data + 16);
@@ -106,7 +108,8 @@ static bool plan_is_decodable(const uint8_t* data, size_t size) {
 
 static bool quotes_are_decodable(const uint8_t* data, size_t size, uint32_t num_quotes) {
     size_t at = 8 + 4 + 2 * 8;
-    if (size < at || read_u64(data) != (uint64_t)__lcm_ssv_quote_batch_t_get_hash() || read_u32(data + 8) != num_quotes) {
+    if (size < at || size > DATAGRAM_SIZE_MAX || read_u64(data) != (uint64_t)__lcm_ssv_quote_batch_t_get_hash() ||
+        read_u32(data + 8) != num_quotes) {
         return false;
     }
     for (uint32_t i = 0; i < num_quotes; i++) {

@@ -97,7 +97,8 @@ class Daemon:
         for channel, handler in ((PLAN, self._on_plan), (QUOTES, self._on_quotes), (STATUS, self._on_status)):
             self.lcm.subscribe(channel, handler).set_queue_capacity(20000)
         self.log = tempfile.TemporaryFile("w+")
-        self.process = subprocess.Popen([DAEMON, "--lcm-url", self.url, *options], stderr=self.log)
+        self.process = subprocess.Popen([DAEMON, "--lcm-url", self.url, *options], stdin=subprocess.DEVNULL,
+                                        stdout=subprocess.DEVNULL, stderr=self.log)
         try:
             self.wait_until(lambda: self.statuses)
         except BaseException:
@@ -594,6 +595,12 @@ class Junk(DaemonTest):
             data[self.random.randrange(len(data))] ^= 1 << self.random.randrange(8)
         return bytes(data)
 
+    def cut(self, datagram):
+        """Its start, but not one that ends within the "SSV_" of the channel: liblcm reads on where an older datagram lay in
+        its buffer. What it then takes for an answer has a negative size, and Python's binding crashes on that, not the
+        daemon."""
+        return datagram[:self.random.choice([n for n in range(len(datagram)) if not 8 <= n <= 12])]
+
     def fragment(self, payload):
         """A piece of one of few messages, so that pieces which contradict one another meet."""
         r = self.random
@@ -611,7 +618,7 @@ class Junk(DaemonTest):
         short = lambda name, payload: struct.pack(">II", SHORT_MAGIC, r.getrandbits(32)) + name + payload
         kinds = (
             lambda: r.randbytes(r.randrange(0, 1400)),
-            lambda: short(named, good)[:r.randrange(len(short(named, good)))],
+            lambda: self.cut(short(named, good)),
             lambda: self.flipped(short(named, good)),
             lambda: short(named, self.flipped(good)),
             lambda: short(named, r.randbytes(8) + good[8:]),  # a type of another version
@@ -622,7 +629,7 @@ class Junk(DaemonTest):
             lambda: short(named, b""),
             lambda: short(named_batch, r.randbytes(8) + good_batch[8:]),
             lambda: short(named_batch, self.flipped(good_batch[:28]) + good_batch[28:]),
-            lambda: short(named_batch, good_batch)[:r.randrange(len(short(named_batch, good_batch)))],
+            lambda: self.cut(short(named_batch, good_batch)),
             lambda: self.fragment(named + good),
             lambda: self.fragment(r.randbytes(900)),
         )
