@@ -7,7 +7,7 @@
 #include <string.h>
 #include <time.h>
 
-#define CELL_SIZE 64
+#define CELL_SIZE 128
 
 double now_ms(void) {
     struct timespec t;
