@@ -651,6 +651,18 @@ class Junk(DaemonTest):
         self.assertGreater(status.rejected_undecodable, 20_000)
         self.assert_alive(daemon)
 
+    def test_a_datagram_cut_within_its_channel_s_name_is_refused(self):
+        """liblcm takes the rest of the name from the datagram before, if nobody wanted that; the size comes out negative."""
+        daemon = self.start()
+        with daemon.raw_sender() as raw:
+            for channel, q in ((SCENARIO, question(1)), (BATCH, batch(1, [question(1)]))):
+                unwanted = struct.pack(">II", SHORT_MAGIC, 0) + channel.replace("SSV_", "OLD_").encode() + b"\0" + q.encode()
+                raw.send(unwanted)
+                raw.send(unwanted[:8] + b"SSV_")
+        status = daemon.next_status()
+        self.assertEqual((status.received, status.rejected_undecodable), (2, 2))
+        self.assert_alive(daemon)
+
     def malformed(self, count):
         """Scenarios that decode: half of them noise, half with a few numbers of the nasty kind in a good one."""
         r = self.random
