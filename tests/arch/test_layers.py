@@ -15,6 +15,7 @@ ANSWER_API = "firmware/include/ssv/answer.h"
 MAY_INCLUDE = {
     "firmware/include/ssv": {*CORE_API, "lcmtypes"},
     "firmware/planner": {*CORE_API},
+    "firmware/target": set(),
     "firmware/daemon": {*CORE_API, ANSWER_API, "lcmtypes", "lcm"},
     "host": {*CORE_API, ANSWER_API, "lcmtypes", "lcm", "cyaml", "jansson"},
     "sim": {"jansson"},

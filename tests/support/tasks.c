@@ -1,5 +1,7 @@
 #include "tasks.h"
 
+#include <math.h>
+
 static uint64_t random_state;
 
 void task_seed(uint64_t seed) { random_state = seed; }
