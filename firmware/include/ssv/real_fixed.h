@@ -22,7 +22,7 @@
 typedef int64_t real_t;
 
 #define REAL_NAME "fixed"
-/// Rounded to the nearest; a constant that does not fit is a compiler warning.
+/// Rounded to the nearest; the constant must be smaller than REAL_MAX.
 #define REAL(x) ((real_t)((x) * 4294967296.0 + ((x) * 4294967296.0 < 0 ? -0.5 : 0.5)))
 /// Largest result of a call.
 #define REAL_MAX ((real_t)1 << 58)
