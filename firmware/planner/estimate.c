@@ -6,8 +6,6 @@
 #define N SSV_NUM_THRUSTERS
 #define NUM_NODES 3
 #define NUM_GUESSES 5
-// Time never counts less than this many newtons of thrust, as in the profile.
-#define TIME_PRICE_MIN_N REAL(1e-3)
 // A thruster with less than this share of the largest coefficient does not act.
 #define SAME_LAW REAL(1e-9)
 // Guesses of the peak this close together price the leg to the square of that.
@@ -152,10 +150,10 @@ static real_t ramps(const leg_t* leg, real_t peak, real_t lambda, real_t* distan
 }
 
 bool ssv_profile_estimate(const ssv_thrusts_t* thrusts, real_t weight_time_per_s, real_t weight_impulse_per_Ns,
-                          real_t distance, real_t* price) {
+                          real_t distance, real_t* price, real_t* peak_speed) {
     leg_t leg;
     leg.weight_impulse = weight_impulse_per_Ns;
-    leg.weight_time = real_max(weight_time_per_s, real_mul(TIME_PRICE_MIN_N, weight_impulse_per_Ns));
+    leg.weight_time = real_max(weight_time_per_s, real_mul(SSV_TIME_PRICE_MIN_N, weight_impulse_per_Ns));
     if (!leg_init(thrusts, &leg)) return false;
     real_t limit = leg.limit[0], sum = REAL(0);
     for (int i = 0; i < leg.num; i++) {
@@ -165,8 +163,11 @@ bool ssv_profile_estimate(const ssv_thrusts_t* thrusts, real_t weight_time_per_s
     // Without drag no speed is above that of full thrust half the way.
     const real_t top = top_speed(&leg, real_sqrt(real_mul(limit, distance)));
     const real_t cruise = cruise_speed(&leg, top), time_price = real_mul(leg.weight_time, distance);
-    // J = time_price / peak + rest(peak), where the rest is nearly linear: its slope is at first that without drag, then that
-    // between the last two guesses.
+    // J = fixed + time_price / peak + rest(peak), where the rest is nearly linear: its slope is at first that without drag, then
+    // that between the last two guesses.
+    real_t fixed = REAL(0);
+    for (int i = 0; i < N; i++) fixed += real_abs(thrusts->linear[i]);
+    fixed = real_mul(leg.weight_impulse, real_mul(distance, fixed));
     real_t slope = real_div(leg.weight_time, limit) + real_mul(REAL(2), real_mul(leg.weight_impulse, sum));
     real_t peak = REAL(0), rest = REAL(0);
     for (int n = 0; n < NUM_GUESSES; n++) {
@@ -176,11 +177,14 @@ bool ssv_profile_estimate(const ssv_thrusts_t* thrusts, real_t weight_time_per_s
         real_t covered;
         const real_t lambda = real_div(holding_cost(&leg, peak), peak), G = ramps(&leg, peak, lambda, &covered);
         const real_t J = real_mul(lambda, distance) + G;
-        if (n == 0 || J < *price) *price = J;
+        if (n == 0 || J < *price) {
+            *price = J;
+            *peak_speed = peak;
+        }
         if (peak == cruise && covered <= distance) break; // a cruise between the ramps
-        rest = J - real_div(time_price, peak);
+        rest = J - fixed - real_div(time_price, peak);
         slope = n == 0 ? real_div(real_mul(REAL(1.5), rest), peak) : real_div(rest - last_rest, peak - last);
-        if (!(slope > REAL(0))) slope = real_div(rest, peak);
+        slope = real_max(REAL(0), slope);
     }
     return true;
 }

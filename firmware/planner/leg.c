@@ -7,6 +7,10 @@
 // A thrust coefficient smaller than this fraction of its neighbours is rounding of the allocation.
 #define COEFFICIENT_MIN REAL(9.0949470177292824e-13)
 
+real_t ssv_leg_weight_time(const ssv_scenario_t* scenario) {
+    return real_max(scenario->weight_time_per_s, real_mul(SSV_SECOND_COSTS_N, scenario->weight_impulse_per_Ns));
+}
+
 ssv_move_t ssv_move_translate(ssv_phase_t phase, vec3_t displacement_S) {
     const vec3_t zero = vec3(REAL(0), REAL(0), REAL(0));
     ssv_move_t move = {phase, SSV_TRANSLATE, {zero, zero}, vec3_norm(displacement_S)};
@@ -102,8 +106,7 @@ ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move,
     for (int style = first; style <= last; style++) {
         ssv_profile_t trial;
         ssv_price_t price = {SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
-        const ssv_rule_t rule = {(ssv_ramp_t)style, cutoff, scenario->weight_time_per_s, scenario->weight_impulse_per_Ns,
-                                 REAL(0)};
+        const ssv_rule_t rule = {(ssv_ramp_t)style, cutoff, ssv_leg_weight_time(scenario), scenario->weight_impulse_per_Ns, REAL(0)};
         price.outcome = ssv_profile_solve(thrusts, &rule, move->length, &trial);
         if (price.outcome == SSV_FEASIBLE) {
             price.time_s = trial.duration_s;

@@ -21,6 +21,12 @@ typedef struct {
 /// Whether a is feasible and costs less than b, or b is not feasible.
 bool ssv_price_beats(const ssv_price_t* a, const ssv_price_t* b);
 
+/// Legs are planned as if a second cost at least as much as this many newtons: below, they take hours to save next to nothing.
+#define SSV_SECOND_COSTS_N REAL(1e-2)
+
+/// The weight of time that legs are planned with; their price is that with the scenario's own.
+real_t ssv_leg_weight_time(const ssv_scenario_t* scenario);
+
 /// Straight flight by displacement_S [m] in axes of S, attitude held. A displacement of zero makes a move of length 0.
 ssv_move_t ssv_move_translate(ssv_phase_t phase, vec3_t displacement_S);
 

@@ -3,15 +3,15 @@
 #include "planner/estimate.h"
 #include "planner/search.h"
 
-#define NUM_SPINS 8
-#define SPIN_STEP REAL(0.78539816339744831)
 #define NUM_AIMS 2
 #define NUM_ROLLS 4
-#define MAX_STARTS 4
+#define LOOK_KINDS 2
+#define MAX_STARTS 12
+#define MAX_TRANSITS 4
 #define NUM_ENDS 2
 
 // Body directions this much dearer per metre than the cheapest are not drawn; the search still finds its way in between.
-#define DIRECTION_SLACK REAL(1.12)
+#define DIRECTION_SLACK REAL(1.05)
 // Prices closer than this are equal: which is taken must not hang on rounding.
 #define EVEN REAL(1e-9)
 #define WORTHWHILE REAL(3e-5)
@@ -23,33 +23,37 @@
 // way up; round after round, fewer of the cheapest are refined; at last the best transfer with the price of both phases.
 #define NUM_ROUNDS 3
 typedef struct {
-    int kinds, starts, ways_up;
+    int kinds, starts, ways_up; // starts of each kind
     struct {
         int refined, sweeps;
-    } rounds[NUM_ROUNDS], transit, joint;
+    } rounds[NUM_ROUNDS];
+    int transits;
+    struct {
+        int refined, sweeps;
+    } transit, joint;
 } budget_t;
 
+static const budget_t budgets[] = {
+    [SSV_EFFORT_QUICK] = {LOOK_KINDS, SSV_LOOK_STARTS / LOOK_KINDS, 1, {{1, 1}, {0, 0}, {0, 0}}, 2, {1, 1}, {0, 0}},
+    [SSV_EFFORT_BEST] = {3, 4, 8, {{8, 3}, {3, 4}, {1, 4}}, MAX_TRANSITS, {1, 4}, {3, 4}}};
+static const budget_t glance = {.transits = 1};
+
+// Swings are tried with spins up to this one, either way.
+#define LAST_SWING 2
 // Part of the price of a turn that it keeps when it is made on the way.
 #define SWING_SHARE REAL(0.25)
-// Cosine and sine of half the spins.
-static const real_t spin_half_cosine[NUM_SPINS] = {REAL(1), REAL(0.92387953251128674), REAL(0.70710678118654752), REAL(0.38268343236508977), REAL(0), REAL(-0.38268343236508977), REAL(-0.70710678118654752), REAL(-0.92387953251128674)};
-static const real_t spin_half_sine[NUM_SPINS] = {REAL(0), REAL(0.38268343236508977), REAL(0.70710678118654752), REAL(0.92387953251128674), REAL(1), REAL(0.92387953251128674), REAL(0.70710678118654752), REAL(0.38268343236508977)};
+// Spins all around, and cosine and sine of their halves. Their number is odd: half a turn could as well go the other way.
+#define NUM_SPINS 7
+#define SPIN_STEP REAL(0.89759790102565518)
+static const real_t spin_half_cosine[NUM_SPINS] = {
+    REAL(1), REAL(0.90096886790241915), REAL(0.62348980185873359), REAL(0.22252093395631445), REAL(-0.22252093395631434), REAL(-0.62348980185873348), REAL(-0.90096886790241903)};
+static const real_t spin_half_sine[NUM_SPINS] = {
+    REAL(0), REAL(0.43388373911755812), REAL(0.7818314824680298), REAL(0.97492791218182362), REAL(0.97492791218182362), REAL(0.78183148246802991), REAL(0.43388373911755823)};
 
 // ---- What is chosen -----------------------------------------------------------------------------------------------------
 
-// A phase's free numbers. The vehicle travels with attitude q_IT exp(TURN -+ TWIST) as the flight starts and ends. A transfer
-// has more: the vehicle's roll about its contact axis, the spins about the beam's axis as it lies and as it docks that the
-// turns at both ends make besides what they must, and both pivots as fractions of the way from S to C.
-enum { TURN = 0, TWIST = 3, NUM_TRANSIT = 6, MATE_ROLL = 6, SPIN = 7, PIVOT = 9, NUM_TRANSFER = 15 };
-
-static const real_t first_step[NUM_TRANSFER] = {REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.15),
+static const real_t first_step[SSV_NUM_TRANSFER] = {REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.15),
                                                 REAL(0.2),  REAL(0.3),  REAL(0.3),  REAL(0.1),  REAL(0.1), REAL(0.1), REAL(0.1), REAL(0.1), REAL(0.1)};
-
-typedef struct {
-    quat_t q_IT;
-    vec3_t n_S; // the direction in which the vehicle flies, before TURN
-    real_t x[NUM_TRANSFER];
-} trial_t;
 
 typedef struct {
     const ssv_problem_t* problem;
@@ -57,7 +61,7 @@ typedef struct {
     int contact;
     real_t height_m;
     pose_t X_from, X_to; // ends of the transit; those of a transfer are its trials' to choose
-    const trial_t* transit; // what a transfer's price shall include, or NULL
+    const ssv_trial_t* transit; // what a transfer's price shall include, or NULL
     int num_priced;
 } task_t;
 
@@ -108,18 +112,18 @@ static vec3_t beam_axis_end(const task_t* task) {
 // Attitudes of the vehicle where the flight's first turn begins and its last one ends. Those of a transfer follow from how it
 // travels: the smallest turns that bring the beam's axis from where it lies and on to where it docks, and the spins. If the
 // ring angle is given, the first turn begins there instead.
-static void ends(const task_t* task, const trial_t* trial, const quat_t q_IT[NUM_ENDS], quat_t q_IS[NUM_ENDS]) {
+static void ends(const task_t* task, const ssv_trial_t* trial, const quat_t q_IT[NUM_ENDS], quat_t q_IS[NUM_ENDS]) {
     if (task->phase == SSV_TRANSIT) {
         q_IS[0] = task->X_from.q;
         q_IS[1] = task->X_to.q;
         return;
     }
     const ssv_scenario_t* s = &task->problem->scenario;
-    const vec3_t axis_S = beam_axis_S(trial->x[MATE_ROLL]);
+    const vec3_t axis_S = beam_axis_S(trial->x[SSV_X_MATE_ROLL]);
     const vec3_t axis_I[NUM_ENDS] = {beam_axis_start(task), beam_axis_end(task)};
     for (int end = 0; end < NUM_ENDS; end++) {
         const quat_t smallest = quat_mul(quat_between(quat_apply(q_IT[end], axis_S), axis_I[end]), q_IT[end]);
-        q_IS[end] = quat_unit(quat_mul(quat_from_axis_angle(axis_I[end], trial->x[SPIN + end]), smallest));
+        q_IS[end] = quat_unit(quat_mul(quat_from_axis_angle(axis_I[end], trial->x[SSV_X_SPIN + end]), smallest));
     }
     if (s->ring_angle_given) {
         const vec3_t inward_B = vec3(-real_cos(s->ring_angle_rad), -real_sin(s->ring_angle_rad), REAL(0));
@@ -127,12 +131,12 @@ static void ends(const task_t* task, const trial_t* trial, const quat_t q_IT[NUM
     }
 }
 
-static vec3_t part(const trial_t* trial, int first) { return vec3(trial->x[first], trial->x[first + 1], trial->x[first + 2]); }
+static vec3_t part(const ssv_trial_t* trial, int first) { return vec3(trial->x[first], trial->x[first + 1], trial->x[first + 2]); }
 
 // Attitudes as the flight starts and ends. The vehicle flies in the direction n_S whatever else changes: that is a screw whose
 // middle attitude turns the chord of its arc to the way.
-static void travel_attitudes(const trial_t* trial, vec3_t way, quat_t q_IT[NUM_ENDS]) {
-    const vec3_t turn = part(trial, TURN), twist = part(trial, TWIST);
+static void travel_attitudes(const ssv_trial_t* trial, vec3_t way, quat_t q_IT[NUM_ENDS]) {
+    const vec3_t turn = part(trial, SSV_X_TURN), twist = part(trial, SSV_X_TWIST);
     quat_t q_middle = turned_by(trial->q_IT, turn);
     const vec3_t n = quat_apply(turned_by(quat_identity(), vec3_neg(turn)), trial->n_S);
     const real_t angle = vec3_norm(twist), distance = vec3_norm(way);
@@ -163,7 +167,7 @@ static void stands(const task_t* task, const vec3_t hold_I[NUM_ENDS], const quat
 }
 
 // The motion of a trial: turn about a pivot, fly on while turning from one travel attitude to the other, turn about a pivot.
-static void lay(const task_t* task, const trial_t* trial, motion_t* motion) {
+static void lay(const task_t* task, const ssv_trial_t* trial, motion_t* motion) {
     const ssv_scenario_t* s = &task->problem->scenario;
     quat_t q_IT[NUM_ENDS], q_IS[NUM_ENDS];
     vec3_t p_IS[NUM_ENDS] = {task->X_from.p, task->X_to.p};
@@ -184,7 +188,7 @@ static void lay(const task_t* task, const trial_t* trial, motion_t* motion) {
             ends(task, trial, q_IT, q_IS);
             stands(task, hold_I, q_IS, p_IS);
             for (int end = 0; end < NUM_ENDS; end++) {
-                X_IT[end] = turned((pose_t){p_IS[end], q_IS[end]}, q_IT[end], part(trial, PIVOT + 3 * end));
+                X_IT[end] = turned((pose_t){p_IS[end], q_IS[end]}, q_IT[end], part(trial, SSV_X_PIVOT + 3 * end));
             }
             way = vec3_sub(X_IT[1].p, X_IT[0].p);
         }
@@ -207,7 +211,7 @@ static task_t transit_to(const task_t* carry, pose_t X_to) {
 }
 
 // Estimated price; NO_PRICE where the thrusters cannot do it.
-static real_t try_price(task_t* task, const trial_t* trial) {
+static real_t try_price(task_t* task, const ssv_trial_t* trial) {
     motion_t motion;
     real_t price, before = REAL(0);
     lay(task, trial, &motion);
@@ -223,8 +227,8 @@ static real_t try_price(task_t* task, const trial_t* trial) {
 
 // Steps up and down along a direction of the parameters, and to where the parabola through the three prices is lowest. @return
 // how far along the direction it went.
-static real_t search_along(task_t* task, const real_t direction[NUM_TRANSFER], trial_t* trial, real_t* price) {
-    const trial_t centre = *trial;
+static real_t search_along(task_t* task, const real_t direction[SSV_NUM_TRANSFER], ssv_trial_t* trial, real_t* price) {
+    const ssv_trial_t centre = *trial;
     const real_t middle = *price;
     real_t at[2], best_step = REAL(0);
     for (int n = 0; n < 3; n++) {
@@ -237,8 +241,8 @@ static real_t search_along(task_t* task, const real_t direction[NUM_TRANSFER], t
             if (real_mul(REAL(0.5), real_mul(bend, real_sq(step))) - (middle - *price) < real_mul(WORTHWHILE, middle)) break;
             step = real_max(REAL(-2.5), real_min(REAL(2.5), step));
         }
-        trial_t next = centre;
-        for (int k = 0; k < NUM_TRANSFER; k++) next.x[k] += real_mul(step, direction[k]);
+        ssv_trial_t next = centre;
+        for (int k = 0; k < SSV_NUM_TRANSFER; k++) next.x[k] += real_mul(step, direction[k]);
         const real_t there = try_price(task, &next);
         if (n < 2) at[n] = there;
         if (there < *price - real_mul(EVEN, *price)) {
@@ -251,21 +255,21 @@ static real_t search_along(task_t* task, const real_t direction[NUM_TRANSFER], t
 }
 
 // Each number in turn, and after each sweep the way that the sweep went as a whole. Steps shrink where nothing moves.
-static void refine(task_t* task, int sweeps, trial_t* trial, real_t* price) {
-    const int num = task->phase == SSV_TRANSIT ? NUM_TRANSIT : NUM_TRANSFER;
-    real_t step[NUM_TRANSFER];
+static void refine(task_t* task, int sweeps, ssv_trial_t* trial, real_t* price) {
+    const int num = task->phase == SSV_TRANSIT ? SSV_NUM_TRANSIT : SSV_NUM_TRANSFER;
+    real_t step[SSV_NUM_TRANSFER];
     for (int k = 0; k < num; k++) step[k] = first_step[k];
     for (int n = 0; n < sweeps; n++) {
-        const trial_t before = *trial;
+        const ssv_trial_t before = *trial;
         for (int k = 0; k < num; k++) {
-            if (task->phase == SSV_TRANSFER && k == SPIN && task->problem->scenario.ring_angle_given) continue;
-            real_t direction[NUM_TRANSFER] = {REAL(0)};
+            if (task->phase == SSV_TRANSFER && k == SSV_X_SPIN && task->problem->scenario.ring_angle_given) continue;
+            real_t direction[SSV_NUM_TRANSFER] = {REAL(0)};
             direction[k] = step[k];
             const real_t went = search_along(task, direction, trial, price);
             step[k] = real_mul(step[k], real_max(REAL(0.3), real_min(REAL(1.5), went)));
         }
-        real_t direction[NUM_TRANSFER];
-        for (int k = 0; k < NUM_TRANSFER; k++) direction[k] = trial->x[k] - before.x[k];
+        real_t direction[SSV_NUM_TRANSFER];
+        for (int k = 0; k < SSV_NUM_TRANSFER; k++) direction[k] = trial->x[k] - before.x[k];
         search_along(task, direction, trial, price);
     }
 }
@@ -275,11 +279,6 @@ static void refine(task_t* task, int sweeps, trial_t* trial, real_t* price) {
 // What the beam does on the way of a transfer: it keeps the attitude that it has at one of the ends, or that but rolled about
 // the way, or it swings from one to the other.
 typedef enum { HELD, SWUNG, ROLLED, NUM_CARRIES } carry_t;
-
-typedef struct {
-    trial_t trial;
-    real_t price, transit_price; // the latter of what is flown before
-} start_t;
 
 // Whether the thrusters serve the vehicle rolled half a turn about x as well as before: three wrenches with nothing special about
 // them tell.
@@ -335,108 +334,98 @@ void ssv_cheap_directions(const ssv_problem_t* problem, ssv_directions_t* d) {
     if (!serves_both_ways_up(problem)) d->num_upright = d->num;
 }
 
-// Keeps the cheapest few, cheapest first; of equal ones the first.
-static void keep(start_t* list, int* num, int most, const trial_t* trial, real_t price) {
-    const real_t even = real_mul(EVEN, price);
-    if (*num == most && price >= list[most - 1].price - even) return;
-    for (int k = 0; k < *num; k++) {
-        if (real_abs(list[k].price - price) <= even) return;
-    }
+// Keeps the cheapest few, cheapest first.
+static void keep(ssv_start_t* list, int* num, int most, const ssv_trial_t* trial, real_t price) {
+    if (*num == most && price >= list[most - 1].price) return;
     int k = *num < most ? (*num)++ : most - 1;
     for (; k > 0 && price < list[k - 1].price; k--) list[k] = list[k - 1];
-    list[k] = (start_t){*trial, price, REAL(0)};
+    list[k] = (ssv_start_t){*trial, price, REAL(0)};
 }
 
-// Thrusts per rate of the body that turns about S, about its axes x, y, z, and the factors of what a turn costs, roughly.
+// What turns about S ask for at unit rate about x, y and z, the beam held along +y: momentum, linear and quadratic drag.
+enum { ACCEL, LINEAR, QUADRATIC, NUM_PARTS };
 typedef struct {
-    real_t accel[SSV_NUM_THRUSTERS][3], linear[SSV_NUM_THRUSTERS][3], quadratic[SSV_NUM_THRUSTERS][3];
-    real_t weight_time, weight_impulse, force_max_N;
+    ssv_wrench_t wrench[NUM_PARTS][3];
+    bool any[NUM_PARTS]; // whether there is such a part at all
 } turns_t;
 
-// Demand of a turn about S at unit rate about x, y and z, the beam held along +y.
-static void demand_of_turns(const task_t* task, ssv_demand_t demand[3]) {
+static void turns_init(const task_t* task, turns_t* turns) {
     const ssv_scenario_t* s = &task->problem->scenario;
+    const vec3_t zero = vec3(REAL(0), REAL(0), REAL(0));
     ssv_assembly_t assembly = ssv_vehicle_alone(task->problem);
     if (task->phase == SSV_TRANSFER) {
         assembly.beam = &s->beam;
         assembly.X_SB = (pose_t){vec3(s->standoff_m, -task->height_m, REAL(0)),
                                  quat_between(vec3(REAL(0), REAL(0), REAL(1)), vec3(REAL(0), REAL(1), REAL(0)))};
     }
+    turns->any[ACCEL] = true;
+    turns->any[LINEAR] = turns->any[QUADRATIC] = false;
     for (int k = 0; k < 3; k++) {
         const vec3_t w = vec3(real_from_int(k == 0), real_from_int(k == 1), real_from_int(k == 2));
-        ssv_body_demand(&assembly, (ssv_twist_t){vec3(REAL(0), REAL(0), REAL(0)), w}, &demand[k]);
+        ssv_demand_t there, back;
+        ssv_body_demand(&assembly, (ssv_twist_t){zero, w}, &there);
+        ssv_body_demand(&assembly, (ssv_twist_t){zero, vec3_neg(w)}, &back);
+        turns->wrench[ACCEL][k] = there.accel;
+        turns->wrench[LINEAR][k] = there.linear;
+        // What does not change its sign with the rate is no drag.
+        ssv_wrench_t* drag = &turns->wrench[QUADRATIC][k];
+        drag->force = vec3_scale(REAL(0.5), vec3_sub(there.quadratic.force, back.quadratic.force));
+        drag->moment = vec3_scale(REAL(0.5), vec3_sub(there.quadratic.moment, back.quadratic.moment));
+        for (int part = LINEAR; part < NUM_PARTS; part++) {
+            const ssv_wrench_t* wrench = &turns->wrench[part][k];
+            if (vec3_norm(wrench->force) + vec3_norm(wrench->moment) > REAL(0)) turns->any[part] = true;
+        }
     }
 }
 
+// A vector rolled about x.
 static vec3_t rolled(vec3_t v, real_t cosine, real_t sine) {
     return vec3(v.x, real_mul(cosine, v.y) - real_mul(sine, v.z), real_mul(sine, v.y) + real_mul(cosine, v.z));
 }
 
-// The same when that beam is rolled about x. (Of a vehicle that is no sphere, and of drag: roughly.)
-static void tabulate_turns(const task_t* task, const ssv_demand_t demand[3], real_t cosine, real_t sine, turns_t* turns) {
-    const ssv_scenario_t* s = &task->problem->scenario;
-    turns->weight_impulse = s->weight_impulse_per_Ns;
-    turns->weight_time = real_max(s->weight_time_per_s, real_mul(REAL(1e-3), s->weight_impulse_per_Ns));
-    turns->force_max_N = s->vehicle.force_max_N;
-    for (int k = 0; k < 3; k++) {
-        const vec3_t w = rolled(vec3(real_from_int(k == 0), real_from_int(k == 1), real_from_int(k == 2)), cosine, -sine);
-        real_t u[3][SSV_NUM_THRUSTERS];
-        for (int part = 0; part < 3; part++) {
-            vec3_t force = vec3(REAL(0), REAL(0), REAL(0)), moment = force;
-            for (int j = 0; j < 3; j++) {
-                const ssv_wrench_t* wrench = part == 0 ? &demand[j].accel : part == 1 ? &demand[j].linear : &demand[j].quadratic;
-                const real_t rate = j == 0 ? w.x : j == 1 ? w.y : w.z;
-                force = vec3_add(force, vec3_scale(rate, wrench->force));
-                moment = vec3_add(moment, vec3_scale(rate, wrench->moment));
-            }
-            ssv_alloc(&task->problem->allocation, rolled(force, cosine, sine), rolled(moment, cosine, sine), u[part]);
-        }
-        for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-            turns->accel[i][k] = u[0][i];
-            turns->linear[i][k] = u[1][i];
-            turns->quadratic[i][k] = u[2][i];
-        }
-    }
-}
-
-static real_t row(const real_t a[3], vec3_t w) { return real_mul(a[0], w.x) + real_mul(a[1], w.y) + real_mul(a[2], w.z); }
-
 // What the turn q (in axes of the body) costs, roughly: W1 angle / v for the way, and for reaching v both what inertia and what
-// drag ask.
-static real_t turn_guess(const turns_t* turns, quat_t q) {
+// drag ask. The beam of the demand is rolled about x to where it is, and all with it, as if the vehicle were a sphere.
+static real_t turn_guess(const task_t* task, const turns_t* turns, vec3_t beam_axis_S, quat_t q) {
     const vec3_t e = vec3(q.x, q.y, q.z);
     const real_t sine = vec3_norm(e);
     if (sine < REAL(1e-4)) return REAL(0);
     const real_t angle = real_mul(REAL(2), real_atan2(sine, real_abs(q.w)));
-    const vec3_t w = vec3_scale(real_div(REAL(1), sine), e);
-    real_t most = REAL(0), accel = REAL(0), linear = REAL(0), quadratic = REAL(0), most_drag = REAL(0);
-    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-        const real_t a = real_abs(row(turns->accel[i], w)), c = real_abs(row(turns->quadratic[i], w));
-        most = real_max(most, a);
-        most_drag = real_max(most_drag, c);
-        accel += a;
-        linear += real_abs(row(turns->linear[i], w));
-        quadratic += c;
+    const vec3_t w = rolled(vec3_scale(real_div(REAL(1), sine), e), beam_axis_S.y, -beam_axis_S.z);
+    real_t most[NUM_PARTS] = {REAL(0)}, sum[NUM_PARTS] = {REAL(0)}; // of the thrusts
+    for (int part = 0; part < NUM_PARTS; part++) {
+        if (!turns->any[part]) continue;
+        const ssv_wrench_t* x = &turns->wrench[part][0];
+        const vec3_t force = vec3_add(vec3_scale(w.x, x[0].force), vec3_add(vec3_scale(w.y, x[1].force), vec3_scale(w.z, x[2].force)));
+        const vec3_t moment =
+            vec3_add(vec3_scale(w.x, x[0].moment), vec3_add(vec3_scale(w.y, x[1].moment), vec3_scale(w.z, x[2].moment)));
+        real_t u[SSV_NUM_THRUSTERS];
+        ssv_alloc(&task->problem->allocation, rolled(force, beam_axis_S.y, beam_axis_S.z),
+                  rolled(moment, beam_axis_S.y, beam_axis_S.z), u);
+        for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+            most[part] = real_max(most[part], real_abs(u[i]));
+            sum[part] += real_abs(u[i]);
+        }
     }
-    const real_t W1 = turns->weight_time, W2 = turns->weight_impulse, F = turns->force_max_N, way = real_mul(W1, angle);
-    const real_t rise = real_div(real_mul(W1, most), F) + real_mul(W2, real_mul(REAL(1.5), accel) + real_mul(angle, quadratic));
-    const real_t hurry = real_div(real_mul(real_sq(way), most_drag), F);
-    return real_sqrt(real_mul(REAL(4), real_mul(way, rise)) + hurry) + real_mul(W2, real_mul(angle, linear));
+    const ssv_scenario_t* s = &task->problem->scenario;
+    const real_t W1 = ssv_leg_weight_time(s), W2 = s->weight_impulse_per_Ns, F = s->vehicle.force_max_N, way = real_mul(W1, angle);
+    const real_t rise = real_div(real_mul(W1, most[ACCEL]), F) +
+                        real_mul(W2, real_mul(REAL(1.5), sum[ACCEL]) + real_mul(angle, sum[QUADRATIC]));
+    const real_t hurry = real_div(real_mul(real_sq(way), most[QUADRATIC]), F);
+    return real_sqrt(real_mul(REAL(4), real_mul(way, rise)) + hurry) + real_mul(W2, real_mul(angle, sum[LINEAR]));
 }
 
 // Starts of the transit: each cheap direction of the body along the way, and those that the attitudes at the ends fly along
 // without a turn, rolled about the way between the attitudes that are the nearest to both ends.
-static int draw_transit(const task_t* task, const ssv_directions_t* directions, int most, start_t* list) {
+static int draw_transit(const task_t* task, const ssv_directions_t* directions, int most, ssv_start_t* list) {
     const vec3_t way = vec3_sub(task->X_to.p, task->X_from.p);
     const real_t distance = vec3_norm(way);
     const bool flies = distance > NO_WAY_M;
     const vec3_t direction_I = flies ? vec3_unit(way) : vec3(REAL(1), REAL(0), REAL(0));
     const quat_t q_end[NUM_ENDS] = {task->X_from.q, task->X_to.q};
     int num = 0;
-    ssv_demand_t demand[3];
+    const vec3_t y_S = vec3(REAL(0), REAL(1), REAL(0));
     turns_t turns;
-    demand_of_turns(task, demand);
-    tabulate_turns(task, demand, REAL(1), REAL(0), &turns);
+    turns_init(task, &turns);
     for (int k = -NUM_ENDS; k < (flies ? directions->num : 0); k++) {
         const vec3_t n_S = k < 0 ? quat_apply(quat_conj(q_end[k + NUM_ENDS]), direction_I) : directions->n[k];
         const real_t fly = real_mul(distance, k < 0 ? ssv_metre_price(task->problem, n_S) : directions->price[k]);
@@ -451,9 +440,9 @@ static int draw_transit(const task_t* task, const ssv_directions_t* directions, 
         for (int r = 0; r < NUM_ROLLS; r++) {
             const real_t part = real_div(real_mul(roll, real_from_int(r)), real_from_int(NUM_ROLLS - 1));
             const quat_t q_IT = quat_mul(quat_from_axis_angle(direction_I, part), q[0]);
-            const real_t turning = turn_guess(&turns, quat_mul(quat_conj(q_end[0]), q_IT)) +
-                                   turn_guess(&turns, quat_mul(quat_conj(q_IT), q_end[1]));
-            const trial_t trial = {q_IT, n_S, {REAL(0)}};
+            const real_t turning = turn_guess(task, &turns, y_S, quat_mul(quat_conj(q_end[0]), q_IT)) +
+                                   turn_guess(task, &turns, y_S, quat_mul(quat_conj(q_IT), q_end[1]));
+            const ssv_trial_t trial = {q_IT, n_S, {REAL(0)}};
             keep(list, &num, most, &trial, fly + turning);
             if (!flies) break;
         }
@@ -469,32 +458,36 @@ static vec3_t rotation_vector(quat_t q) {
 }
 
 // Sets the vehicle's roll about its contact axis and its attitude so that n_S flies ahead along direction_I and the beam points
-// along axis_I; where no roll does both, nearly.
-static void point_beam(int side, vec3_t direction_I, vec3_t axis_I, trial_t* trial) {
+// along axis_I; two rolls do. Where none does both, one does nearly. @return false for the second if there is but one.
+static bool point_beam(int side, vec3_t direction_I, vec3_t axis_I, ssv_trial_t* trial) {
     const vec3_t n = trial->n_S;
     const real_t along = vec3_dot(direction_I, axis_I), reach = real_sqrt(real_sq(n.y) + real_sq(n.z));
     // The roll from where the beam leans on n most, by its cosine.
     real_t c = along < REAL(0) ? REAL(-1) : REAL(1), s = REAL(0);
-    if (reach > real_abs(along)) {
+    if (!(reach > REAL(0))) {
+        c = real_from_int(side); // every roll does
+    } else if (reach > real_abs(along)) {
         c = real_div(along, reach);
         s = real_mul(real_from_int(side), real_sqrt(real_max(REAL(0), REAL(1) - real_sq(c))));
     }
     const real_t y = reach > REAL(0) ? real_div(n.y, reach) : REAL(1), z = reach > REAL(0) ? real_div(n.z, reach) : REAL(0);
     const vec3_t axis_S = vec3(REAL(0), real_mul(y, c) - real_mul(z, s), real_mul(z, c) + real_mul(y, s));
-    trial->x[MATE_ROLL] = real_atan2(axis_S.z, axis_S.y);
+    trial->x[SSV_X_MATE_ROLL] = real_atan2(axis_S.z, axis_S.y);
     trial->q_IT = attitude(n, axis_S, direction_I, axis_I);
+    return side < 0 || reach > real_abs(along) || !(reach > REAL(0));
 }
 
-static void set_twist(vec3_t twist, trial_t* trial) {
-    trial->x[TWIST] = twist.x;
-    trial->x[TWIST + 1] = twist.y;
-    trial->x[TWIST + 2] = twist.z;
+static void set_twist(vec3_t twist, ssv_trial_t* trial) {
+    trial->x[SSV_X_TWIST] = twist.x;
+    trial->x[SSV_X_TWIST + 1] = twist.y;
+    trial->x[SSV_X_TWIST + 2] = twist.z;
 }
 
 // What the draws of a transfer have in common.
 typedef struct {
     const task_t* task;
     vec3_t axis_I[NUM_ENDS], hold_I[NUM_ENDS], way;
+    turns_t turns;
 } scene_t;
 
 static quat_t spin_about(vec3_t axis, int spin) {
@@ -503,92 +496,87 @@ static quat_t spin_about(vec3_t axis, int spin) {
 }
 
 // Keeps a trial, and the same with the turn at one end spun about the beam's axis there, by their guessed prices.
-static void keep_spins(const scene_t* scene, const turns_t* turns, int spun_end, int num_spins, real_t metre_price, real_t carried,
-                       trial_t* trial, int most, start_t* list, int* num) {
-    const vec3_t axis_I = scene->axis_I[spun_end];
+static void keep_spins(const scene_t* scene, int spun_end, int num_spins, real_t metre_price, real_t swing, ssv_trial_t* trial,
+                       int most, ssv_start_t* list, int* num) {
+    const task_t* task = scene->task;
+    const vec3_t axis_S = beam_axis_S(trial->x[SSV_X_MATE_ROLL]);
     quat_t q_IT[NUM_ENDS], q_IS[NUM_ENDS];
     vec3_t p_IS[NUM_ENDS];
     travel_attitudes(trial, scene->way, q_IT);
-    ends(scene->task, trial, q_IT, q_IS);
-    const real_t other = turn_guess(turns, quat_mul(quat_conj(q_IS[1 - spun_end]), q_IT[1 - spun_end]));
-    const quat_t unspun = q_IS[spun_end];
+    ends(task, trial, q_IT, q_IS);
+    const int other_end = 1 - spun_end;
+    const quat_t unspun = q_IS[spun_end], swung = quat_mul(quat_conj(q_IT[0]), q_IT[1]);
+    real_t price = turn_guess(task, &scene->turns, axis_S, quat_mul(quat_conj(q_IS[other_end]), q_IT[other_end]));
+    if (swing > REAL(0)) price += real_mul(swing, turn_guess(task, &scene->turns, axis_S, swung));
     for (int spin = 0; spin < num_spins; spin++) {
-        if (spin > 0) q_IS[spun_end] = quat_mul(spin_about(axis_I, spin), unspun);
-        trial->x[SPIN + spun_end] = real_mul(SPIN_STEP, real_from_int(spin));
-        stands(scene->task, scene->hold_I, q_IS, p_IS);
+        if (spin > 0) q_IS[spun_end] = quat_mul(spin_about(scene->axis_I[spun_end], spin), unspun);
+        trial->x[SSV_X_SPIN + spun_end] = real_mul(SPIN_STEP, real_from_int(spin));
+        stands(task, scene->hold_I, q_IS, p_IS);
         const real_t fly = real_mul(vec3_norm(vec3_sub(p_IS[1], p_IS[0])), metre_price);
-        const real_t turning = turn_guess(turns, quat_mul(quat_conj(q_IS[spun_end]), q_IT[spun_end]));
-        keep(list, num, most, trial, fly + other + turning + carried);
+        const quat_t turn = quat_mul(quat_conj(q_IS[spun_end]), q_IT[spun_end]);
+        keep(list, num, most, trial, price + fly + turn_guess(task, &scene->turns, axis_S, turn));
     }
 }
 
 // Starts of the transfer. Two small turns cost more than one large: so each cheap direction of the body along the way, the beam
 // pointing as it lies, or as it docks, and the turn at the other end with all its spins. Or all of the turn is made on the way.
 // The spins also decide on which sides of the beam the flight begins and ends, so how long it is.
-static int draw_transfer(const task_t* task, const ssv_directions_t* directions, carry_t carry, int most, start_t* list) {
+static int draw_transfer(const task_t* task, const ssv_directions_t* directions, carry_t carry, int most, ssv_start_t* list) {
     const bool given = task->problem->scenario.ring_angle_given;
     scene_t scene = {.task = task, .axis_I = {beam_axis_start(task), beam_axis_end(task)}};
     hold_points(task, scene.hold_I);
     scene.way = vec3_sub(scene.hold_I[1], scene.hold_I[0]);
+    turns_init(task, &scene.turns);
     const vec3_t direction_I = vec3_norm(scene.way) > NO_WAY_M ? vec3_unit(scene.way) : scene.axis_I[0];
-    ssv_demand_t demand[3];
-    demand_of_turns(task, demand);
-    turns_t turns;
-    tabulate_turns(task, demand, REAL(1), REAL(0), &turns);
-    int num = 0;
     const quat_t smallest = quat_between(scene.axis_I[0], scene.axis_I[1]);
-    for (int spin = 0; carry == SWUNG && spin < NUM_SPINS; spin++) {
-        // From where the beam lies to where it docks, half of that before the middle of the way.
-        const quat_t swing = quat_mul(spin_about(scene.axis_I[1], spin), smallest);
-        const vec3_t half = vec3_scale(REAL(0.5), rotation_vector(swing));
-        const vec3_t axis_I = quat_apply(turned_by(quat_identity(), half), scene.axis_I[0]);
+    int num = 0;
+    for (int variant = 0; variant < (carry == SWUNG ? NUM_SPINS : NUM_ENDS); variant++) {
+        if (carry == SWUNG && variant > LAST_SWING && variant < NUM_SPINS - LAST_SWING) continue;
+        // A swing goes from where the beam lies to where it docks, half of it before the middle of the way.
+        const quat_t swing = quat_mul(spin_about(scene.axis_I[1], variant), smallest);
+        const vec3_t half_swing = vec3_scale(REAL(0.5), rotation_vector(swing));
+        const vec3_t middle_axis_I = quat_apply(turned_by(quat_identity(), half_swing), scene.axis_I[0]);
         for (int k = 0; k < directions->num_upright; k++) {
             for (int side = -1; side <= 1; side += 2) {
-                trial_t trial = {quat_identity(), directions->n[k], {REAL(0)}};
-                point_beam(side, direction_I, axis_I, &trial);
-                const quat_t q_SI = quat_conj(trial.q_IT);
-                set_twist(quat_apply(q_SI, half), &trial);
-                const real_t carried = real_mul(SWING_SHARE, turn_guess(&turns, quat_mul(quat_mul(q_SI, swing), trial.q_IT)));
-                keep_spins(&scene, &turns, 1, 1, directions->price[k], carried, &trial, most, list, &num);
-            }
-        }
-    }
-    for (int end = 0; carry != SWUNG && end < NUM_ENDS; end++) {
-        for (int k = 0; k < directions->num_upright; k++) {
-            for (int side = -1; side <= 1; side += 2) {
-                trial_t trial = {quat_identity(), directions->n[k], {REAL(0)}};
-                point_beam(side, direction_I, scene.axis_I[end], &trial);
-                const vec3_t axis_S = beam_axis_S(trial.x[MATE_ROLL]);
+                ssv_trial_t trial = {quat_identity(), directions->n[k], {REAL(0)}};
+                if (carry == SWUNG) {
+                    if (!point_beam(side, direction_I, middle_axis_I, &trial)) continue;
+                    set_twist(quat_apply(quat_conj(trial.q_IT), half_swing), &trial);
+                    keep_spins(&scene, 1, 1, directions->price[k], SWING_SHARE, &trial, most, list, &num);
+                    continue;
+                }
+                const int end = variant, other_end = 1 - end;
+                if (!point_beam(side, direction_I, scene.axis_I[end], &trial)) continue;
                 if (carry == ROLLED) {
-                    const quat_t q_other = attitude(trial.n_S, axis_S, direction_I, scene.axis_I[1 - end]);
+                    const vec3_t axis_S = beam_axis_S(trial.x[SSV_X_MATE_ROLL]);
+                    const quat_t q_other = attitude(trial.n_S, axis_S, direction_I, scene.axis_I[other_end]);
                     const vec3_t half = vec3_scale(REAL(0.5), rotation_vector(quat_mul(quat_conj(trial.q_IT), q_other)));
                     trial.q_IT = turned_by(trial.q_IT, half);
                     set_twist(end == 0 ? half : vec3_neg(half), &trial);
                 }
-                tabulate_turns(task, demand, axis_S.y, axis_S.z, &turns);
-                keep_spins(&scene, &turns, 1 - end, end == 1 && given ? 1 : NUM_SPINS, directions->price[k], REAL(0), &trial,
-                           most, list, &num);
+                keep_spins(&scene, other_end, other_end == 0 && given ? 1 : NUM_SPINS, directions->price[k], REAL(0), &trial, most,
+                           list, &num);
             }
         }
     }
     return num;
 }
 
-static void sort(start_t* list, int num) {
+static void sort(ssv_start_t* list, int num) {
     for (int i = 1; i < num; i++) {
-        const start_t item = list[i];
+        const ssv_start_t item = list[i];
         int k = i;
         for (; k > 0 && item.price +item.transit_price< list[k - 1].price+list[k-1].transit_price - real_mul(EVEN, item.price); k--) list[k] = list[k - 1];
         list[k] = item;
     }
 }
 
-static void price_all(task_t* task, start_t* list, int num) {
+static void price_all(task_t* task, ssv_start_t* list, int num) {
     for (int k = 0; k < num; k++) list[k].price = try_price(task, &list[k].trial);
     sort(list, num);
 }
 
-static void refine_first(task_t* task, int most, int sweeps, start_t* list, int num) {
+static void refine_first(task_t* task, int most, int sweeps, ssv_start_t* list, int num) {
     for (int k = 0; k < most && k < num; k++) refine(task, sweeps, &list[k].trial, &list[k].price);
     sort(list, most < num ? most : num);
 }
@@ -596,26 +584,26 @@ static void refine_first(task_t* task, int most, int sweeps, start_t* list, int 
 // ---- The search ---------------------------------------------------------------------------------------------------------
 
 // The same transfer with the vehicle the other way up: rolled half a turn about its contact axis.
-static trial_t other_way_up(const trial_t* trial) {
+static ssv_trial_t other_way_up(const ssv_trial_t* trial) {
     const quat_t half_turn = {REAL(0), REAL(1), REAL(0), REAL(0)};
-    trial_t other = *trial;
+    ssv_trial_t other = *trial;
     other.q_IT = quat_mul(trial->q_IT, half_turn);
     other.n_S = quat_apply(half_turn, trial->n_S);
-    other.x[MATE_ROLL] += REAL_PI;
-    for (int k = 0; k < NUM_TRANSFER; k++) {
-        if (k % 3 != 0 && (k < NUM_TRANSIT || k >= PIVOT)) other.x[k] = -other.x[k];
+    other.x[SSV_X_MATE_ROLL] += REAL_PI;
+    for (int k = 0; k < SSV_NUM_TRANSFER; k++) {
+        if (k % 3 != 0 && (k < SSV_NUM_TRANSIT || k >= SSV_X_PIVOT)) other.x[k] = -other.x[k];
     }
     return other;
 }
 
 // The cheapest transit to where this transfer begins. @return its price.
-static real_t find_transit(task_t* carry, const ssv_directions_t* directions, const budget_t* budget, const trial_t* transfer,
-                           trial_t* transit) {
+static real_t find_transit(task_t* carry, const ssv_directions_t* directions, const budget_t* budget, const ssv_trial_t* transfer,
+                           ssv_trial_t* transit) {
     motion_t motion;
-    start_t list[MAX_STARTS];
+    ssv_start_t list[MAX_TRANSITS];
     lay(carry, transfer, &motion);
     task_t fly = transit_to(carry, motion.X_from);
-    const int num = draw_transit(&fly, directions, budget->starts, list);
+    const int num = draw_transit(&fly, directions, budget->transits, list);
     price_all(&fly, list, num);
     refine_first(&fly, budget->transit.refined, budget->transit.sweeps, list, num);
     carry->num_priced += fly.num_priced;
@@ -623,42 +611,22 @@ static real_t find_transit(task_t* carry, const ssv_directions_t* directions, co
     return list[0].price;
 }
 
-static void search(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
-                   const budget_t* budget, motion_t motion[2], real_t* price, int* num_priced) {
-    static const budget_t glance = {.starts = 1};
-    const ssv_scenario_t* s = &problem->scenario;
-    start_t list[NUM_CARRIES * MAX_STARTS];
-    trial_t transit;
-    task_t carry = {problem, SSV_TRANSFER, contact, height_m, s->X_IS, s->X_IS, NULL, 0};
+// Draws and prices starts of some kinds, cheapest first.
+static int draw(task_t* carry, const ssv_directions_t* directions, int kinds, int starts, ssv_start_t* list) {
     int num = 0;
-    for (int kind = 0; kind < budget->kinds; kind++) {
-        num += draw_transfer(&carry, directions, (carry_t)kind, budget->starts, &list[num]);
-    }
-    price_all(&carry, list, num);
-    if (budget->ways_up > 0 && num > budget->ways_up) num = budget->ways_up;
-    for (int k = 0; k < budget->ways_up && k < num; k++) {
-        start_t other = list[k];
-        other.trial = other_way_up(&list[k].trial);
-        other.price = try_price(&carry, &other.trial);
-        list[k].transit_price = find_transit(&carry, directions, &glance, &list[k].trial, &transit);
-        other.transit_price = find_transit(&carry, directions, &glance, &other.trial, &transit);
-        if (other.price + other.transit_price < list[k].price + list[k].transit_price) list[k] = other;
-    }
-    sort(list, num);
-    for (int n = 0; n < NUM_ROUNDS; n++) refine_first(&carry, budget->rounds[n].refined, budget->rounds[n].sweeps, list, num);
-    trial_t* const transfer = &list[0].trial;
-    *price = list[0].price + find_transit(&carry, directions, budget, transfer, &transit);
-    carry.transit = &transit;
-    for (int n = 0; n < budget->joint.refined; n++) refine(&carry, budget->joint.sweeps, transfer, price);
-    lay(&carry, transfer, &motion[SSV_TRANSFER]);
-    const task_t fly = transit_to(&carry, motion[SSV_TRANSFER].X_from);
-    lay(&fly, &transit, &motion[SSV_TRANSIT]);
-    *num_priced += carry.num_priced;
+    for (int kind = 0; kind < kinds; kind++) num += draw_transfer(carry, directions, (carry_t)kind, starts, &list[num]);
+    price_all(carry, list, num);
+    return num;
+}
+
+static task_t transfer_of(const ssv_problem_t* problem, int contact, real_t height_m) {
+    const pose_t X_IS = problem->scenario.X_IS;
+    return (task_t){problem, SSV_TRANSFER, contact, height_m, X_IS, X_IS, NULL, 0};
 }
 
 real_t ssv_optimal_flights(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m) {
     const ssv_scenario_t* s = &problem->scenario;
-    const task_t carry = {problem, SSV_TRANSFER, contact, height_m, s->X_IS, s->X_IS, NULL, 0};
+    const task_t carry = transfer_of(problem, contact, height_m);
     vec3_t hold_I[NUM_ENDS];
     hold_points(&carry, hold_I);
     const real_t there = vec3_norm(vec3_sub(hold_I[0], s->X_IS.p)), on = vec3_norm(vec3_sub(hold_I[1], hold_I[0]));
@@ -667,25 +635,50 @@ real_t ssv_optimal_flights(const ssv_problem_t* problem, const ssv_directions_t*
 }
 
 real_t ssv_optimal_look(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
-                        int* num_priced) {
-    static const budget_t budget = {.kinds = 2, .starts = 1};
-    motion_t motion[2];
-    real_t price;
-    search(problem, directions, contact, height_m, &budget, motion, &price, num_priced);
+                        ssv_look_t* look, int* num_priced) {
+    task_t carry = transfer_of(problem, contact, height_m);
+    ssv_trial_t transit;
+    look->num = draw(&carry, directions, LOOK_KINDS, SSV_LOOK_STARTS / LOOK_KINDS, look->start);
+    const real_t price = look->start[0].price + find_transit(&carry, directions, &glance, &look->start[0].trial, &transit);
+    *num_priced += carry.num_priced;
     return price;
 }
 
 void ssv_search_optimal(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
-                        ssv_effort_t effort, ssv_chain_t* best, int* num_priced) {
-    static const budget_t budgets[] = {
-        [SSV_EFFORT_QUICK] = {2, 2, 1, {{1, 1}, {0, 0}, {0, 0}}, {1, 1}, {0, 0}},
-        [SSV_EFFORT_BEST] = {NUM_CARRIES, MAX_STARTS, 8, {{8, 3}, {3, 4}, {1, 4}}, {1, 4}, {3, 4}}};
-    motion_t motion[2];
-    real_t price;
-    search(problem, directions, contact, height_m, &budgets[effort], motion, &price, num_priced);
-    for (int phase = 0; phase < 2; phase++) {
-        ssv_flight_price(problem, &motion[phase].assembly, motion[phase].X_from, &motion[phase].flight);
+                        ssv_effort_t effort, const ssv_look_t* look, ssv_chain_t* best, int* num_priced) {
+    const budget_t* budget = &budgets[effort];
+    task_t carry = transfer_of(problem, contact, height_m);
+    ssv_start_t list[MAX_STARTS];
+    ssv_trial_t transit;
+    int num = 0;
+    if (effort == SSV_EFFORT_QUICK && look != NULL) {
+        num = look->num;
+        for (int k = 0; k < num; k++) list[k] = look->start[k];
+    } else {
+        num = draw(&carry, directions, budget->kinds, budget->starts, list);
     }
-    ssv_chain_join(&motion[SSV_TRANSFER].grasp, &motion[SSV_TRANSIT].flight, &motion[SSV_TRANSFER].flight,
-                   motion[SSV_TRANSFER].assembly.X_SB, best);
+    if (num > budget->ways_up) num = budget->ways_up;
+    for (int k = 0; k < num; k++) {
+        ssv_start_t other = list[k];
+        other.trial = other_way_up(&list[k].trial);
+        other.price = try_price(&carry, &other.trial);
+        list[k].transit_price = find_transit(&carry, directions, &glance, &list[k].trial, &transit);
+        other.transit_price = find_transit(&carry, directions, &glance, &other.trial, &transit);
+        if (other.price + other.transit_price < list[k].price + list[k].transit_price) list[k] = other;
+    }
+    sort(list, num);
+    for (int n = 0; n < NUM_ROUNDS; n++) refine_first(&carry, budget->rounds[n].refined, budget->rounds[n].sweeps, list, num);
+    ssv_trial_t* const transfer = &list[0].trial;
+    real_t price = list[0].price + find_transit(&carry, directions, budget, transfer, &transit);
+    carry.transit = &transit;
+    for (int n = 0; n < budget->joint.refined; n++) refine(&carry, budget->joint.sweeps, transfer, &price);
+    *num_priced += carry.num_priced;
+
+    motion_t to_port, to_beam;
+    lay(&carry, transfer, &to_port);
+    const task_t fly = transit_to(&carry, to_port.X_from);
+    lay(&fly, &transit, &to_beam);
+    ssv_flight_price(problem, &to_beam.assembly, to_beam.X_from, &to_beam.flight);
+    ssv_flight_price(problem, &to_port.assembly, to_port.X_from, &to_port.flight);
+    ssv_chain_join(&to_port.grasp, &to_beam.flight, &to_port.flight, to_port.assembly.X_SB, best);
 }

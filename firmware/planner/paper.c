@@ -51,8 +51,12 @@ static pose_t end_of(const ssv_flight_t* flight, pose_t X_IS) {
     return X_IS;
 }
 
-// The least that a grasp costs by its straight flights, as far as they do not hang on a choice of axis.
-static real_t least_price(const ssv_problem_t* problem, const ssv_grasp_t* grasp) {
+// Estimates of a price are never this much too high.
+#define ESTIMATE_MARGIN REAL(1.1)
+
+// What a grasp costs at least: by its straight flights, and if that is below give_up by an estimate with the optimal profile,
+// which no ramp betters. As far as it does not hang on a choice of axis.
+static real_t least_price(const ssv_problem_t* problem, const ssv_grasp_t* grasp, real_t give_up) {
     const ssv_assembly_t alone = ssv_vehicle_alone(problem);
     ssv_flight_t flight;
     const int num_axes = lay_transit(problem, grasp, 0, &flight);
@@ -60,8 +64,15 @@ static real_t least_price(const ssv_problem_t* problem, const ssv_grasp_t* grasp
     if (num_axes > 1) return to_beam;
     const pose_t X_IS = end_of(&flight, problem->scenario.X_IS);
     const ssv_assembly_t pair = ssv_vehicle_with_beam(problem, X_IS);
-    if (lay_transfer(problem, &pair, grasp->contact, X_IS, 0, &flight) > 1) return to_beam;
-    return to_beam + straight_price(problem, &pair, &flight.move[1]);
+    ssv_flight_t to_port;
+    if (lay_transfer(problem, &pair, grasp->contact, X_IS, 0, &to_port) > 1) return to_beam;
+    const real_t straight = to_beam + straight_price(problem, &pair, &to_port.move[1]);
+    real_t estimate[2];
+    if (straight >= give_up || give_up >= SSV_NEVER_GIVE_UP || !ssv_flight_estimate(problem, &alone, &flight, &estimate[0]) ||
+        !ssv_flight_estimate(problem, &pair, &to_port, &estimate[1])) {
+        return straight;
+    }
+    return real_max(straight, real_div(estimate[0] + estimate[1], ESTIMATE_MARGIN));
 }
 
 bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, real_t give_up, ssv_chain_t* best,
@@ -75,7 +86,7 @@ bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m
         const ssv_grasp_t grasp = {contact, height_m, ring_angle_rad[ring]};
         ssv_flight_t trial, to_beam, to_port;
         ssv_chain_t chain;
-        if (least_price(problem, &grasp) >= give_up) continue;
+        if (least_price(problem, &grasp, give_up) >= give_up) continue;
         int num_axes = 1;
         for (int k = 0; k < num_axes; k++) {
             num_axes = lay_transit(problem, &grasp, k, &trial);

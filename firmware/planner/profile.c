@@ -19,10 +19,11 @@
 
 // How closely two ramps without a cruise cover their leg, as a fraction of it.
 #define PEAK_TOLERANCE REAL(1e-11)
-// Time never counts less than this many newtons of thrust: without a price on it no leg would end.
-#define TIME_PRICE_MIN_N REAL(1e-3)
 // A short optimal leg's ramps cover the distance to within twice this fraction, cruising the rest: in J that is its square.
-#define SHORT_BY REAL(1e-5)
+#define SHORT_BY REAL(1e-7)
+// An estimated peak this close to the cruise is taken for the cruise; a peak found too low is left by a little more than asked.
+#define NEARLY REAL(0.97)
+#define BEYOND REAL(1.003)
 // Longer than any leg [m or rad].
 #define HOLD_FOR_EVER REAL(1e6)
 // A thruster whose drag costs less than this fraction of the cruise idles there for all that matters: a coast on it is no
@@ -482,7 +483,7 @@ static bool thrifty_ramps(laws_t* laws, real_t peak, real_t distance, motion_t* 
         const real_t cost = real_mul(laws->weight_impulse, ssv_quadratic_size(drag, peak));
         laws->coasts[i] = laws->acts[i] && cost > real_mul(NEXT_TO_NOTHING, rate);
     }
-    if (m->up.num == 0 || !resists) {
+    if (m->up.num == 0 || m->up.v[m->up.num] < peak || !resists) {
         ramp_start(&m->up);
         if (!ramp_extend(laws, resists ? SPEED_UP : THRIFTY_UP, peak, &m->up)) return false;
         ramp_measure(&m->up);
@@ -510,29 +511,38 @@ static real_t worth_holding(const laws_t* laws, real_t peak) {
     return real_mul(peak, real_div(real_mul(REAL(2), real_mul(laws->weight_impulse, kink)), gain));
 }
 
-// A long leg cruises at the cheapest speed. A short one has the peak whose ramps just cover the distance: regula falsi on the
-// root of the covered fraction, which is nearly linear in the peak, aimed a hair short; the hair is cruised.
+// A long leg cruises at the cheapest speed. A short one has the peak whose ramps just cover the distance: from an estimate,
+// regula falsi on the root of the covered fraction, which is nearly linear in the peak, aimed a hair short; the hair is cruised.
 static ssv_outcome_t solve_optimal(laws_t* laws, const ssv_rule_t* rule, real_t distance, real_t top, motion_t* m) {
     laws->weight_impulse = rule->weight_impulse_per_Ns;
-    laws->weight_time = real_max(rule->weight_time_per_s, real_mul(TIME_PRICE_MIN_N, rule->weight_impulse_per_Ns));
-    real_t low = REAL(0), low_miss = -REAL(1), high = cruise_speed(laws, top), high_miss = REAL(0), peak = high;
-    bool was_above = true;
+    laws->weight_time = real_max(rule->weight_time_per_s, real_mul(SSV_TIME_PRICE_MIN_N, rule->weight_impulse_per_Ns));
+    const real_t cruise = cruise_speed(laws, top);
+    real_t low = REAL(0), low_miss = -REAL(1), high = cruise, high_miss = REAL(0), peak = cruise, price;
+    bool was_above = true, bracketed = false;
+    if (ssv_profile_estimate(laws->thrusts, rule->weight_time_per_s, rule->weight_impulse_per_Ns, distance, &price, &peak)) {
+        if (peak > real_mul(NEARLY, cruise)) peak = cruise;
+    }
     ramp_start(&m->up);
     for (int n = 0; n < MAX_FALSI; n++) {
         if (!thrifty_ramps(laws, peak, distance, m)) return SSV_TOO_MANY_PIECES;
         const real_t hold = real_min(worth_holding(laws, peak), real_mul(REAL(100), distance));
         const real_t covered = real_sqrt(real_div(distance - m->cruise + hold, distance));
         const real_t miss = covered - REAL(1) + SHORT_BY;
-        const bool meets = n == 0 ? m->cruise >= hold : real_abs(miss) <= SHORT_BY;
+        const bool meets = peak == cruise ? m->cruise >= hold : real_abs(miss) <= SHORT_BY;
         if (m->cruise >= REAL(0) && meets) return SSV_FEASIBLE;
         // Illinois: an end that stays twice counts half.
         const bool above = miss > REAL(0);
-        if (n > 1 && above == was_above) *(above ? &low_miss : &high_miss) = real_mul(REAL(0.5), above ? low_miss : high_miss);
+        if (bracketed && above == was_above) *(above ? &low_miss : &high_miss) = real_mul(REAL(0.5), above ? low_miss : high_miss);
         *(above ? &high : &low) = peak;
         *(above ? &high_miss : &low_miss) = miss;
         was_above = above;
-        const real_t share = n % 3 == 2 ? REAL(0.5) : real_div(-low_miss, high_miss - low_miss);
-        peak = low + real_mul(high - low, share);
+        bracketed = bracketed || above;
+        if (!bracketed) {
+            peak = real_min(cruise, real_mul(BEYOND, real_div(peak, covered)));
+        } else {
+            const real_t share = n % 3 == 2 ? REAL(0.5) : real_div(-low_miss, high_miss - low_miss);
+            peak = low + real_mul(high - low, share);
+        }
     }
     return thrifty_ramps(laws, low, distance, m) ? SSV_FEASIBLE : SSV_TOO_MANY_PIECES;
 }

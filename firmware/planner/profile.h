@@ -6,16 +6,11 @@
 #ifndef SSV_PROFILE_H
 #define SSV_PROFILE_H
 
+#include "planner/estimate.h"
 #include "planner/law.h"
-#include "ssv/planner.h"
 
 /// Most pieces in one profile.
 #define SSV_MAX_PROFILE_PIECES 32
-
-typedef struct {
-    real_t accel[SSV_NUM_THRUSTERS], linear[SSV_NUM_THRUSTERS], quadratic[SSV_NUM_THRUSTERS];
-    real_t force_max_N;
-} ssv_thrusts_t;
 
 typedef struct {
     real_t duration_s, impulse_Ns, peak_speed;
@@ -36,7 +31,7 @@ typedef struct {
 /// SSV_DRAG_ONLY gives the least total thrust that keeps the body on the leg down to the cutoff, then brakes. A leg too short
 /// for terminal speed turns from speeding up to slowing where the distance asks.
 /// SSV_OPTIMAL: the profile with the least W1 T + W2 F of all (DESIGN.md 5). Without a price on time no leg would end: W1
-/// counts as at least 1e-3 N times W2.
+/// counts as at least SSV_TIME_PRICE_MIN_N times W2.
 /// @return SSV_FEASIBLE; SSV_NO_AUTHORITY if no thruster acts along the leg or the least thrust does not slow the body;
 /// SSV_TOO_LONG; SSV_TOO_MANY_PIECES. *profile is meaningful only when feasible. Some 10 to 100 logarithms.
 ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule, real_t distance, ssv_profile_t* profile);

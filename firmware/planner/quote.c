@@ -3,9 +3,6 @@
 
 #include "planner/search.h"
 
-// No price is above it.
-#define NEVER_GIVE_UP REAL(1e9)
-
 static ssv_candidate_t candidate_of(const ssv_chain_t* chain) {
     ssv_candidate_t candidate = {chain->grasp.contact, chain->grasp.height_m, chain->grasp.ring_angle_rad, chain->price.outcome,
                                  REAL(0), REAL(0), REAL(0)};
@@ -59,7 +56,7 @@ static void search_paper(const ssv_problem_t* problem, real_t give_up, ssv_quote
 
 // Candidates that method optimal looks at, by effort: those with the shortest ways; and how many of the most promising it
 // searches.
-static const int num_looks[] = {[SSV_EFFORT_QUICK] = 3, [SSV_EFFORT_BEST] = SSV_MAX_CANDIDATES};
+static const int num_looks[] = {[SSV_EFFORT_QUICK] = 2, [SSV_EFFORT_BEST] = SSV_MAX_CANDIDATES};
 static const int num_searched[] = {[SSV_EFFORT_QUICK] = 1, [SSV_EFFORT_BEST] = 2};
 
 // The least of the prices that is not done; -1 if there is none.
@@ -74,9 +71,10 @@ static int least_of(const real_t price[SSV_MAX_CANDIDATES], const bool done[SSV_
 // A look at the candidates with short ways, then a search of the most promising; of all if all are to be listed.
 static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ssv_quote_t* quote, ssv_chain_t* best) {
     const bool all = problem->scenario.want_candidates;
-    real_t promise[SSV_MAX_CANDIDATES], least = NEVER_GIVE_UP;
+    real_t promise[SSV_MAX_CANDIDATES], least = SSV_NEVER_GIVE_UP;
     bool looked[SSV_MAX_CANDIDATES] = {false}, done[SSV_MAX_CANDIDATES] = {false};
     ssv_directions_t directions;
+    ssv_look_t look, promising; // the latter at the most promising
     ssv_cheap_directions(problem, &directions);
     for (int k = 0; k < quote->num_candidates; k++) {
         const ssv_candidate_t* candidate = &quote->candidate[k];
@@ -88,8 +86,11 @@ static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ss
         looked[next] = true;
         done[next] = !all && (n >= num_looks[effort] || promise[next] >= least);
         if (done[next]) continue;
-        promise[next] = ssv_optimal_look(problem, &directions, candidate->contact, candidate->attach_height_m, &quote->num_priced);
-        least = real_min(least, promise[next]);
+        promise[next] =
+            ssv_optimal_look(problem, &directions, candidate->contact, candidate->attach_height_m, &look, &quote->num_priced);
+        if (promise[next] >= least) continue;
+        least = promise[next];
+        promising = look;
     }
     for (int n = 0; n < (all ? quote->num_candidates : num_searched[effort]); n++) {
         const int next = least_of(promise, done, quote->num_candidates);
@@ -97,7 +98,8 @@ static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ss
         const ssv_candidate_t* candidate = &quote->candidate[next];
         ssv_chain_t chain;
         done[next] = true;
-        ssv_search_optimal(problem, &directions, candidate->contact, candidate->attach_height_m, effort, &chain, &quote->num_priced);
+        ssv_search_optimal(problem, &directions, candidate->contact, candidate->attach_height_m, effort,
+                           n == 0 ? &promising : NULL, &chain, &quote->num_priced);
         improve(quote, next, &chain, best);
     }
 }
@@ -116,7 +118,7 @@ bool ssv_choose(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* b
             search_optimal(problem, (ssv_effort_t)effort, quote, best);
         }
     }
-    search_paper(problem, best->price.outcome == SSV_FEASIBLE ? best->price.cost : NEVER_GIVE_UP, quote, best);
+    search_paper(problem, best->price.outcome == SSV_FEASIBLE ? best->price.cost : SSV_NEVER_GIVE_UP, quote, best);
     return best->price.outcome == SSV_FEASIBLE;
 }
 
@@ -126,7 +128,7 @@ bool ssv_choose_another(const ssv_problem_t* problem, ssv_outcome_t outcome, ssv
     k = cheapest(quote);
     if (k < 0) return false;
     const ssv_candidate_t* candidate = &quote->candidate[k];
-    (void)ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, NEVER_GIVE_UP, chain, &quote->num_priced);
+    (void)ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, SSV_NEVER_GIVE_UP, chain, &quote->num_priced);
     return true;
 }
 

@@ -4,9 +4,12 @@
 
 #include "planner/chain.h"
 
+/// No price is above it.
+#define SSV_NEVER_GIVE_UP REAL(1e9)
+
 /// The paper's chain: nearest ring angle (or the cheapest of several where none is nearest); translate, then turn the shortest
-/// way; turn about C, then translate. Ring angles and turning axes whose straight flights alone cost give_up or more are left
-/// out. *num_priced grows by the chains that were priced. @return false if all were left out; then *best is not meaningful.
+/// way; turn about C, then translate. Ring angles that cost give_up or more, by a bound and an estimate with a margin, are
+/// left out. *num_priced grows by the chains that were priced. @return false if all were left out; then *best is not meaningful.
 bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, real_t give_up, ssv_chain_t* best,
                       int* num_priced);
 
@@ -27,13 +30,45 @@ void ssv_cheap_directions(const ssv_problem_t* problem, ssv_directions_t* direct
 /// What the flights of a candidate cost at the cheapest, without any turn: an estimate from below, not a bound.
 real_t ssv_optimal_flights(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m);
 
-/// About what ssv_search_optimal would find, from its starts alone.
+/// A phase's free numbers x. The vehicle travels with attitude q_IT exp(TURN -+ TWIST) as the flight starts and ends. A transfer
+/// has more: the vehicle's roll about its contact axis, the spins about the beam's axis as it lies and as it docks that the
+/// turns at both ends make besides what they must, and the pivots of these turns in S [m]. Rotations are in rad.
+enum {
+    SSV_X_TURN = 0,
+    SSV_X_TWIST = 3,
+    SSV_NUM_TRANSIT = 6,
+    SSV_X_MATE_ROLL = 6,
+    SSV_X_SPIN = 7,
+    SSV_X_PIVOT = 9,
+    SSV_NUM_TRANSFER = 15
+};
+
+typedef struct {
+    quat_t q_IT;
+    vec3_t n_S;                  ///< the direction of the body in which it flies, before TURN
+    real_t x[SSV_NUM_TRANSFER];
+} ssv_trial_t;
+
+/// A place where the search may start.
+typedef struct {
+    ssv_trial_t trial;
+    real_t price, transit_price; ///< estimates; the latter of what is flown before
+} ssv_start_t;
+
+#define SSV_LOOK_STARTS 4
+typedef struct {
+    int num;
+    ssv_start_t start[SSV_LOOK_STARTS];
+} ssv_look_t;
+
+/// Draws and prices starts, cheapest first. @return about what ssv_search_optimal would find.
 real_t ssv_optimal_look(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
-                        int* num_priced);
+                        ssv_look_t* look, int* num_priced);
 
 /// Turn, fly, turn in both phases, with travel attitudes, pivots, ring angle and both free rolls by J (DESIGN.md 6). The price
-/// is exact, the search goes by estimates.
+/// is exact, the search goes by estimates. @param look what a look at this candidate found, or NULL; effort quick goes on
+/// from there.
 void ssv_search_optimal(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
-                        ssv_effort_t effort, ssv_chain_t* best, int* num_priced);
+                        ssv_effort_t effort, const ssv_look_t* look, ssv_chain_t* best, int* num_priced);
 
 #endif

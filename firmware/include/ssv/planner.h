@@ -131,7 +131,7 @@ typedef struct {
     ssv_effort_t effort;          ///< of SSV_METHOD_OPTIMAL
     int num_attach_heights;       ///< [0, SSV_MAX_ATTACH_HEIGHTS]; 0 = the three rings +length/2, 0, -length/2 (paper Eq. 3)
     real_t attach_heights_m[SSV_MAX_ATTACH_HEIGHTS]; ///< [m] along z_B, each |h| <= length/2
-    bool want_candidates;         ///< whether the answer lists every candidate; that costs one exact price for each
+    bool want_candidates;         ///< whether the answer lists every candidate; all are searched then, which takes longer and may find a lower price
     bool ring_angle_given;        ///< whether ring_angle_rad holds
     real_t ring_angle_rad;        ///< [rad] |angle| <= 2 pi, about z_B from x_B, the side of the beam to mate on
 } ssv_scenario_t;
