@@ -49,18 +49,34 @@ bool ssv_flight_estimate(const ssv_problem_t* problem, const ssv_assembly_t* ass
     return true;
 }
 
+ssv_price_t ssv_chain_price(const ssv_flight_t* transit, const ssv_flight_t* transfer) {
+    const ssv_flight_t* flight[2] = {transit, transfer};
+    ssv_price_t price = {SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
+    for (int phase = 0; phase < 2; phase++) {
+        for (int k = 0; k < flight[phase]->num_moves; k++) add_price(&price, &flight[phase]->move_price[k]);
+    }
+    if (price.outcome == SSV_FEASIBLE && price.time_s > SSV_DURATION_MAX_S) price.outcome = SSV_TOO_LONG;
+    return price;
+}
+
+ssv_candidate_t ssv_candidate_of(const ssv_grasp_t* grasp, const ssv_price_t* price) {
+    ssv_candidate_t candidate = {grasp->contact, grasp->height_m, grasp->ring_angle_rad, price->outcome, REAL(0), REAL(0), REAL(0)};
+    if (price->outcome == SSV_FEASIBLE) {
+        candidate.time_s = price->time_s;
+        candidate.impulse_Ns = price->impulse_Ns;
+        candidate.cost = price->cost;
+    }
+    return candidate;
+}
+
 void ssv_chain_join(const ssv_grasp_t* grasp, const ssv_flight_t* transit, const ssv_flight_t* transfer, pose_t X_SB,
                     ssv_chain_t* chain) {
     const ssv_flight_t* flight[2] = {transit, transfer};
     chain->grasp = *grasp;
     chain->X_SB = X_SB;
     chain->num_moves = 0;
-    chain->price = (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
+    chain->price = ssv_chain_price(transit, transfer);
     for (int phase = 0; phase < 2; phase++) {
-        for (int k = 0; k < flight[phase]->num_moves; k++) {
-            chain->move[chain->num_moves++] = flight[phase]->move[k];
-            add_price(&chain->price, &flight[phase]->move_price[k]);
-        }
+        for (int k = 0; k < flight[phase]->num_moves; k++) chain->move[chain->num_moves++] = flight[phase]->move[k];
     }
-    if (chain->price.outcome == SSV_FEASIBLE && chain->price.time_s > SSV_DURATION_MAX_S) chain->price.outcome = SSV_TOO_LONG;
 }

@@ -5,6 +5,9 @@
 #include "planner/grasp.h"
 #include "planner/leg.h"
 
+/// On functions whose large frame must not become part of their caller's: the stack is the planner's work memory.
+#define SSV_OWN_FRAME __attribute__((noinline))
+
 /// Turn, translate, turn.
 #define SSV_MAX_PHASE_MOVES 3
 
@@ -38,6 +41,12 @@ void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assemb
 /// About what flight->move[0..num_moves) cost together, the quick way. @return false if the thrusters cannot do one of them; then
 /// *price is meaningless.
 bool ssv_flight_estimate(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_flight_t* flight, real_t* price);
+
+/// What both phases cost together, as ssv_chain_join adds it up.
+ssv_price_t ssv_chain_price(const ssv_flight_t* transit, const ssv_flight_t* transfer);
+
+/// A candidate with its price, which is zero unless feasible.
+ssv_candidate_t ssv_candidate_of(const ssv_grasp_t* grasp, const ssv_price_t* price);
 
 /// Joins both phases. The price is added up move by move, as the plan's legs will be: quoted is what is flown, to the last bit.
 void ssv_chain_join(const ssv_grasp_t* grasp, const ssv_flight_t* transit, const ssv_flight_t* transfer, pose_t X_SB,

@@ -93,32 +93,35 @@ bool ssv_price_beats(const ssv_price_t* a, const ssv_price_t* b) {
     return a->outcome == SSV_FEASIBLE && (b->outcome != SSV_FEASIBLE || a->cost < b->cost);
 }
 
+// Solves with one ramp. @return its price.
+static ssv_price_t solve(const ssv_scenario_t* scenario, const ssv_move_t* move, const ssv_thrusts_t* thrusts, ssv_ramp_t ramp,
+                         ssv_profile_t* profile) {
+    const real_t cutoff = move->kind == SSV_TRANSLATE ? SSV_CUTOFF_TRANSLATE_M_S : SSV_CUTOFF_TURN_RAD_S;
+    const ssv_rule_t rule = {ramp, cutoff, ssv_leg_weight_time(scenario), scenario->weight_impulse_per_Ns, REAL(0)};
+    ssv_price_t price = {ssv_profile_solve(thrusts, &rule, move->length, profile), REAL(0), REAL(0), REAL(0)};
+    if (price.outcome != SSV_FEASIBLE) return price;
+    price.time_s = profile->duration_s;
+    price.impulse_Ns = profile->impulse_Ns;
+    price.cost = real_mul(scenario->weight_time_per_s, price.time_s) + real_mul(scenario->weight_impulse_per_Ns, price.impulse_Ns);
+    return price;
+}
+
 ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
                            ssv_profile_t* profile, ssv_ramp_t* ramp) {
     const ssv_scenario_t* scenario = &problem->scenario;
-    const real_t cutoff = move->kind == SSV_TRANSLATE ? SSV_CUTOFF_TRANSLATE_M_S : SSV_CUTOFF_TURN_RAD_S;
-    ssv_price_t best = {SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
     *ramp = SSV_FULL_REVERSE;
     profile->num_pieces = 0;
-    if (!(move->length > REAL(0))) return best;
-    const int first = scenario->method == SSV_METHOD_PAPER ? SSV_FULL_REVERSE : SSV_OPTIMAL;
-    const int last = scenario->method == SSV_METHOD_PAPER ? SSV_DRAG_ONLY : SSV_OPTIMAL;
-    for (int style = first; style <= last; style++) {
-        ssv_profile_t trial;
-        ssv_price_t price = {SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
-        const ssv_rule_t rule = {(ssv_ramp_t)style, cutoff, ssv_leg_weight_time(scenario), scenario->weight_impulse_per_Ns, REAL(0)};
-        price.outcome = ssv_profile_solve(thrusts, &rule, move->length, &trial);
-        if (price.outcome == SSV_FEASIBLE) {
-            price.time_s = trial.duration_s;
-            price.impulse_Ns = trial.impulse_Ns;
-            price.cost = real_mul(scenario->weight_time_per_s, price.time_s) +
-                         real_mul(scenario->weight_impulse_per_Ns, price.impulse_Ns);
-        }
-        if (style == first || ssv_price_beats(&price, &best)) {
-            best = price;
-            *ramp = (ssv_ramp_t)style;
-            *profile = trial;
-        }
+    if (!(move->length > REAL(0))) return (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
+    if (scenario->method == SSV_METHOD_OPTIMAL) {
+        *ramp = SSV_OPTIMAL;
+        return solve(scenario, move, thrusts, *ramp, profile);
     }
-    return best;
+    // A profile is large: rather than keep both, the one that is cheaper is solved last.
+    const ssv_price_t reverse = solve(scenario, move, thrusts, SSV_FULL_REVERSE, profile);
+    const ssv_price_t coast = solve(scenario, move, thrusts, SSV_DRAG_ONLY, profile);
+    if (ssv_price_beats(&coast, &reverse)) {
+        *ramp = SSV_DRAG_ONLY;
+        return coast;
+    }
+    return solve(scenario, move, thrusts, SSV_FULL_REVERSE, profile);
 }

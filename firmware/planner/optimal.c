@@ -3,57 +3,78 @@
 #include "planner/estimate.h"
 #include "planner/search.h"
 
-#define NUM_AIMS 2
-#define NUM_ROLLS 4
-#define LOOK_KINDS 2
-#define MAX_STARTS 12
-#define MAX_TRANSITS 4
 #define NUM_ENDS 2
 
-// Body directions this much dearer per metre than the cheapest are not drawn; the search still finds its way in between.
-#define DIRECTION_SLACK REAL(1.05)
+// ---- How much is tried --------------------------------------------------------------------------------------------------
+
+#define MAX_STARTS 9
+#define MAX_TRANSITS 2
+#define NUM_ROUNDS 3
+typedef struct {
+    int kinds, starts;           // kinds of starts of a transfer, and how many of each are drawn and priced
+    int ways_up;                 // for how many of the cheapest a transit is sought, with the vehicle either way up
+    struct {
+        int refined, sweeps;
+    } rounds[NUM_ROUNDS];        // how many of the cheapest are refined, round after round, with how many sweeps
+    int transits;                // starts of the transit
+    struct {
+        int refined, sweeps;
+    } transit;
+    struct {
+        int times, sweeps;
+    } joint;                     // the best transfer once more with the price of both phases, as long as it is worth it
+} budget_t;
+
+#define LOOK_KINDS 2
+static const budget_t budgets[] = {
+    [SSV_EFFORT_QUICK] = {LOOK_KINDS, SSV_LOOK_STARTS / LOOK_KINDS, 1, {{1, 1}, {0, 0}, {0, 0}}, 2, {1, 1}, {0, 0}},
+    [SSV_EFFORT_BEST] = {3, 3, 8, {{8, 3}, {3, 4}, {1, 4}}, MAX_TRANSITS, {1, 4}, {8, 4}}};
+static const budget_t glance = {.transits = 1};
+
 // Prices closer than this are equal: which is taken must not hang on rounding.
 #define EVEN REAL(1e-9)
-#define WORTHWHILE REAL(3e-5)
+// A third price along a direction is worth it if a parabola promises this much, another joint refinement if the last gained so.
+#define WORTH_A_LOOK REAL(3e-5)
+#define WORTH_ANOTHER REAL(1e-5)
 #define NO_PRICE REAL(1e9)
 // Flights shorter than this have no direction.
 #define NO_WAY_M REAL(1e-6)
-
-// How much is tried. Starts of some kinds are drawn and priced, and for the cheapest of them transits, with the vehicle either
-// way up; round after round, fewer of the cheapest are refined; at last the best transfer with the price of both phases.
-#define NUM_ROUNDS 3
-typedef struct {
-    int kinds, starts, ways_up; // starts of each kind
-    struct {
-        int refined, sweeps;
-    } rounds[NUM_ROUNDS];
-    int transits;
-    struct {
-        int refined, sweeps;
-    } transit, joint;
-} budget_t;
-
-static const budget_t budgets[] = {
-    [SSV_EFFORT_QUICK] = {LOOK_KINDS, SSV_LOOK_STARTS / LOOK_KINDS, 1, {{1, 1}, {0, 0}, {0, 0}}, 2, {1, 1}, {0, 0}},
-    [SSV_EFFORT_BEST] = {3, 4, 8, {{8, 3}, {3, 4}, {1, 4}}, MAX_TRANSITS, {1, 4}, {3, 4}}};
-static const budget_t glance = {.transits = 1};
-
-// Swings are tried with spins up to this one, either way.
-#define LAST_SWING 2
-// Part of the price of a turn that it keeps when it is made on the way.
-#define SWING_SHARE REAL(0.25)
+// Steps to and fro between how the vehicle travels and where.
+#define NUM_AIMS 2
+// Body directions this much dearer per metre than the cheapest are not drawn; the search still finds its way in between.
+#define DIRECTION_SLACK REAL(1.05)
+// Rolls of a transit about its way.
+#define NUM_ROLLS 4
 // Spins all around, and cosine and sine of their halves. Their number is odd: half a turn could as well go the other way.
 #define NUM_SPINS 7
 #define SPIN_STEP REAL(0.89759790102565518)
 static const real_t spin_half_cosine[NUM_SPINS] = {
-    REAL(1), REAL(0.90096886790241915), REAL(0.62348980185873359), REAL(0.22252093395631445), REAL(-0.22252093395631434), REAL(-0.62348980185873348), REAL(-0.90096886790241903)};
+    REAL(1),
+    REAL(0.90096886790241915),
+    REAL(0.62348980185873359),
+    REAL(0.22252093395631445),
+    REAL(-0.22252093395631445),
+    REAL(-0.62348980185873359),
+    REAL(-0.90096886790241915)};
 static const real_t spin_half_sine[NUM_SPINS] = {
-    REAL(0), REAL(0.43388373911755812), REAL(0.7818314824680298), REAL(0.97492791218182362), REAL(0.97492791218182362), REAL(0.78183148246802991), REAL(0.43388373911755823)};
+    REAL(0),
+    REAL(0.43388373911755812),
+    REAL(0.78183148246802980),
+    REAL(0.97492791218182362),
+    REAL(0.97492791218182362),
+    REAL(0.78183148246802980),
+    REAL(0.43388373911755812)};
+// Swings are tried with spins up to this one, either way.
+#define LAST_SWING 2
+// Part of the price of a turn that it keeps when it is made on the way.
+#define SWING_SHARE REAL(0.25)
 
 // ---- What is chosen -----------------------------------------------------------------------------------------------------
 
-static const real_t first_step[SSV_NUM_TRANSFER] = {REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.15),
-                                                REAL(0.2),  REAL(0.3),  REAL(0.3),  REAL(0.1),  REAL(0.1), REAL(0.1), REAL(0.1), REAL(0.1), REAL(0.1)};
+// Steps of the free numbers at first: turn, twist, mate roll and spins, pivots.
+static const real_t first_step[SSV_NUM_TRANSFER] = {
+    REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.2), REAL(0.3),
+    REAL(0.3),  REAL(0.1),  REAL(0.1),  REAL(0.1),  REAL(0.1),  REAL(0.1),  REAL(0.1)};
 
 typedef struct {
     const ssv_problem_t* problem;
@@ -238,7 +259,7 @@ static real_t search_along(task_t* task, const real_t direction[SSV_NUM_TRANSFER
             if (!(bend > real_mul(EVEN, middle))) break;
             step = real_div(real_mul(REAL(0.5), at[0] - at[1]), bend);
             // What the parabola promises over the best so far.
-            if (real_mul(REAL(0.5), real_mul(bend, real_sq(step))) - (middle - *price) < real_mul(WORTHWHILE, middle)) break;
+            if (real_mul(REAL(0.5), real_mul(bend, real_sq(step))) - (middle - *price) < real_mul(WORTH_A_LOOK, middle)) break;
             step = real_max(REAL(-2.5), real_min(REAL(2.5), step));
         }
         ssv_trial_t next = centre;
@@ -416,7 +437,7 @@ static real_t turn_guess(const task_t* task, const turns_t* turns, vec3_t beam_a
 
 // Starts of the transit: each cheap direction of the body along the way, and those that the attitudes at the ends fly along
 // without a turn, rolled about the way between the attitudes that are the nearest to both ends.
-static int draw_transit(const task_t* task, const ssv_directions_t* directions, int most, ssv_start_t* list) {
+SSV_OWN_FRAME static int draw_transit(const task_t* task, const ssv_directions_t* directions, int most, ssv_start_t* list) {
     const vec3_t way = vec3_sub(task->X_to.p, task->X_from.p);
     const real_t distance = vec3_norm(way);
     const bool flies = distance > NO_WAY_M;
@@ -596,13 +617,18 @@ static ssv_trial_t other_way_up(const ssv_trial_t* trial) {
     return other;
 }
 
+// Where a transfer begins.
+SSV_OWN_FRAME static pose_t start_of(const task_t* carry, const ssv_trial_t* transfer) {
+    motion_t motion;
+    lay(carry, transfer, &motion);
+    return motion.X_from;
+}
+
 // The cheapest transit to where this transfer begins. @return its price.
 static real_t find_transit(task_t* carry, const ssv_directions_t* directions, const budget_t* budget, const ssv_trial_t* transfer,
                            ssv_trial_t* transit) {
-    motion_t motion;
     ssv_start_t list[MAX_TRANSITS];
-    lay(carry, transfer, &motion);
-    task_t fly = transit_to(carry, motion.X_from);
+    task_t fly = transit_to(carry, start_of(carry, transfer));
     const int num = draw_transit(&fly, directions, budget->transits, list);
     price_all(&fly, list, num);
     refine_first(&fly, budget->transit.refined, budget->transit.sweeps, list, num);
@@ -635,50 +661,72 @@ real_t ssv_optimal_flights(const ssv_problem_t* problem, const ssv_directions_t*
 }
 
 real_t ssv_optimal_look(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
-                        ssv_look_t* look, int* num_priced) {
+                        real_t least, ssv_look_t* look, int* num_priced) {
     task_t carry = transfer_of(problem, contact, height_m);
+    ssv_start_t list[SSV_LOOK_STARTS];
     ssv_trial_t transit;
-    look->num = draw(&carry, directions, LOOK_KINDS, SSV_LOOK_STARTS / LOOK_KINDS, look->start);
-    const real_t price = look->start[0].price + find_transit(&carry, directions, &glance, &look->start[0].trial, &transit);
+    const int num = draw(&carry, directions, LOOK_KINDS, SSV_LOOK_STARTS / LOOK_KINDS, list);
+    const real_t price = list[0].price + find_transit(&carry, directions, &glance, &list[0].trial, &transit);
     *num_priced += carry.num_priced;
+    if (price >= least) return price;
+    look->num = num;
+    for (int k = 0; k < num; k++) look->start[k] = list[k];
     return price;
 }
 
-void ssv_search_optimal(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
-                        ssv_effort_t effort, const ssv_look_t* look, ssv_chain_t* best, int* num_priced) {
-    const budget_t* budget = &budgets[effort];
-    task_t carry = transfer_of(problem, contact, height_m);
+// The best transfer and its transit that the budget finds.
+SSV_OWN_FRAME static void find(task_t* carry, const ssv_directions_t* directions, const budget_t* budget,
+                               const ssv_look_t* look, ssv_trial_t* transfer, ssv_trial_t* transit) {
     ssv_start_t list[MAX_STARTS];
-    ssv_trial_t transit;
     int num = 0;
-    if (effort == SSV_EFFORT_QUICK && look != NULL) {
+    if (look != NULL) {
         num = look->num;
         for (int k = 0; k < num; k++) list[k] = look->start[k];
     } else {
-        num = draw(&carry, directions, budget->kinds, budget->starts, list);
+        num = draw(carry, directions, budget->kinds, budget->starts, list);
     }
     if (num > budget->ways_up) num = budget->ways_up;
     for (int k = 0; k < num; k++) {
         ssv_start_t other = list[k];
         other.trial = other_way_up(&list[k].trial);
-        other.price = try_price(&carry, &other.trial);
-        list[k].transit_price = find_transit(&carry, directions, &glance, &list[k].trial, &transit);
-        other.transit_price = find_transit(&carry, directions, &glance, &other.trial, &transit);
+        other.price = try_price(carry, &other.trial);
+        list[k].transit_price = find_transit(carry, directions, &glance, &list[k].trial, transit);
+        other.transit_price = find_transit(carry, directions, &glance, &other.trial, transit);
         if (other.price + other.transit_price < list[k].price + list[k].transit_price) list[k] = other;
     }
     sort(list, num);
-    for (int n = 0; n < NUM_ROUNDS; n++) refine_first(&carry, budget->rounds[n].refined, budget->rounds[n].sweeps, list, num);
-    ssv_trial_t* const transfer = &list[0].trial;
-    real_t price = list[0].price + find_transit(&carry, directions, budget, transfer, &transit);
-    carry.transit = &transit;
-    for (int n = 0; n < budget->joint.refined; n++) refine(&carry, budget->joint.sweeps, transfer, &price);
-    *num_priced += carry.num_priced;
+    for (int n = 0; n < NUM_ROUNDS; n++) refine_first(carry, budget->rounds[n].refined, budget->rounds[n].sweeps, list, num);
+    *transfer = list[0].trial;
+    real_t price = list[0].price + find_transit(carry, directions, budget, transfer, transit);
+    carry->transit = transit;
+    for (int n = 0; n < budget->joint.times; n++) {
+        const real_t before = price;
+        refine(carry, budget->joint.sweeps, transfer, &price);
+        if (before - price < real_mul(WORTH_ANOTHER, before)) break;
+    }
+}
 
+// The exact price of what was found, and its chain in *best if that is cheaper.
+SSV_OWN_FRAME static ssv_candidate_t price_exactly(const task_t* carry, const ssv_trial_t* transfer,
+                                                   const ssv_trial_t* transit, ssv_chain_t* best) {
     motion_t to_port, to_beam;
-    lay(&carry, transfer, &to_port);
-    const task_t fly = transit_to(&carry, to_port.X_from);
-    lay(&fly, &transit, &to_beam);
-    ssv_flight_price(problem, &to_beam.assembly, to_beam.X_from, &to_beam.flight);
-    ssv_flight_price(problem, &to_port.assembly, to_port.X_from, &to_port.flight);
-    ssv_chain_join(&to_port.grasp, &to_beam.flight, &to_port.flight, to_port.assembly.X_SB, best);
+    lay(carry, transfer, &to_port);
+    const task_t fly = transit_to(carry, to_port.X_from);
+    lay(&fly, transit, &to_beam);
+    ssv_flight_price(carry->problem, &to_beam.assembly, to_beam.X_from, &to_beam.flight);
+    ssv_flight_price(carry->problem, &to_port.assembly, to_port.X_from, &to_port.flight);
+    const ssv_price_t price = ssv_chain_price(&to_beam.flight, &to_port.flight);
+    if (ssv_price_beats(&price, &best->price)) {
+        ssv_chain_join(&to_port.grasp, &to_beam.flight, &to_port.flight, to_port.assembly.X_SB, best);
+    }
+    return ssv_candidate_of(&to_port.grasp, &price);
+}
+
+ssv_candidate_t ssv_search_optimal(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
+                                   ssv_effort_t effort, const ssv_look_t* look, ssv_chain_t* best, int* num_priced) {
+    task_t carry = transfer_of(problem, contact, height_m);
+    ssv_trial_t transfer, transit;
+    find(&carry, directions, &budgets[effort], effort == SSV_EFFORT_QUICK ? look : NULL, &transfer, &transit);
+    *num_priced += carry.num_priced;
+    return price_exactly(&carry, &transfer, &transit, best);
 }

@@ -86,7 +86,7 @@ static ssv_outcome_t write_timeline(const ssv_problem_t* problem, real_t drift_m
 #define NUM_DRIFTS 4
 static const real_t drift_max_s2[NUM_DRIFTS] = {REAL(1.6e-5), REAL(6.4e-5), REAL(2.5e-4), REAL(1e-3)};
 
-static ssv_outcome_t write_plan(const ssv_problem_t* problem, const ssv_chain_t* chain, ssv_plan_t* plan) {
+SSV_OWN_FRAME static ssv_outcome_t write_plan(const ssv_problem_t* problem, const ssv_chain_t* chain, ssv_plan_t* plan) {
     ssv_outcome_t outcome = write_motion(problem, chain, plan);
     if (outcome != SSV_FEASIBLE) return outcome;
     outcome = SSV_TOO_MANY_SEGMENTS;
@@ -96,30 +96,31 @@ static ssv_outcome_t write_plan(const ssv_problem_t* problem, const ssv_chain_t*
     return outcome;
 }
 
+// The paper's method, candidate by candidate, until one fits the plan's memory. @return whether one does; then *chain is it.
+SSV_OWN_FRAME static bool plan_by_paper(const ssv_problem_t* problem, ssv_chain_t* chain, ssv_plan_t* plan) {
+    ssv_problem_t plain = *problem;
+    plain.scenario.method = SSV_METHOD_PAPER;
+    bool found = ssv_choose(&plain, &plan->quote, chain);
+    for (int n = 0; n < SSV_MAX_CANDIDATES && found; n++) {
+        const ssv_outcome_t outcome = write_plan(&plain, chain, plan);
+        if (outcome == SSV_FEASIBLE) break;
+        found = ssv_choose_another(&plain, outcome, &plan->quote, chain);
+    }
+    return found;
+}
+
 ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_plan_t* plan) {
     ssv_chain_t chain;
     memset(plan, 0, sizeof *plan);
     bool found = ssv_choose(problem, &plan->quote, &chain);
-    ssv_outcome_t outcome = found ? write_plan(problem, &chain, plan) : SSV_FEASIBLE;
-    if (outcome != SSV_FEASIBLE) {
-        // It does not fit the plan's memory. Then the paper's method is asked, candidate by candidate.
-        ssv_problem_t plain = *problem;
-        plain.scenario.method = SSV_METHOD_PAPER;
-        found = ssv_choose(&plain, &plan->quote, &chain);
-        for (int n = 0; n < SSV_MAX_CANDIDATES && found; n++) {
-            outcome = write_plan(&plain, &chain, plan);
-            if (outcome == SSV_FEASIBLE) break;
-            found = ssv_choose_another(&plain, outcome, &plan->quote, &chain);
-        }
-    }
+    // What is chosen may fail to fit the plan's memory.
+    if (found && write_plan(problem, &chain, plan) != SSV_FEASIBLE) found = plan_by_paper(problem, &chain, plan);
     if (found) {
         ssv_quote_settle(problem, &chain, &plan->quote);
         plan->plan_hash = ssv_plan_hash(plan);
         return SSV_OK;
     }
-    const ssv_quote_t quote = plan->quote;
-    memset(plan, 0, sizeof *plan);
-    plan->quote = quote;
+    memset((char*)plan + sizeof plan->quote, 0, sizeof *plan - sizeof plan->quote);
     return SSV_INFEASIBLE;
 }
 

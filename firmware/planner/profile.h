@@ -10,7 +10,7 @@
 #include "planner/law.h"
 
 /// Most pieces in one profile.
-#define SSV_MAX_PROFILE_PIECES 32
+#define SSV_MAX_PROFILE_PIECES 24
 
 typedef struct {
     real_t duration_s, impulse_Ns, peak_speed;

@@ -3,17 +3,6 @@
 
 #include "planner/search.h"
 
-static ssv_candidate_t candidate_of(const ssv_chain_t* chain) {
-    ssv_candidate_t candidate = {chain->grasp.contact, chain->grasp.height_m, chain->grasp.ring_angle_rad, chain->price.outcome,
-                                 REAL(0), REAL(0), REAL(0)};
-    if (chain->price.outcome == SSV_FEASIBLE) {
-        candidate.time_s = chain->price.time_s;
-        candidate.impulse_Ns = chain->price.impulse_Ns;
-        candidate.cost = chain->price.cost;
-    }
-    return candidate;
-}
-
 // The cheapest candidate that is still feasible; -1 if there is none.
 static int cheapest(const ssv_quote_t* quote) {
     int best = -1;
@@ -26,11 +15,8 @@ static int cheapest(const ssv_quote_t* quote) {
 }
 
 // Enters what a search of a candidate found, if it is cheaper than what is there.
-static void improve(ssv_quote_t* quote, int k, const ssv_chain_t* chain, ssv_chain_t* best) {
-    const ssv_candidate_t found = candidate_of(chain);
-    ssv_candidate_t* known = &quote->candidate[k];
+static void improve(ssv_candidate_t* known, ssv_candidate_t found) {
     if (known->outcome != SSV_FEASIBLE || (found.outcome == SSV_FEASIBLE && found.cost < known->cost)) *known = found;
-    if (ssv_price_beats(&chain->price, &best->price)) *best = *chain;
 }
 
 static void list_candidates(const ssv_scenario_t* scenario, ssv_quote_t* quote) {
@@ -47,10 +33,10 @@ static void list_candidates(const ssv_scenario_t* scenario, ssv_quote_t* quote) 
 static void search_paper(const ssv_problem_t* problem, real_t give_up, ssv_quote_t* quote, ssv_chain_t* best) {
     ssv_chain_t chain;
     for (int k = 0; k < quote->num_candidates; k++) {
-        const ssv_candidate_t* candidate = &quote->candidate[k];
-        if (ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, give_up, &chain, &quote->num_priced)) {
-            improve(quote, k, &chain, best);
-        }
+        ssv_candidate_t* candidate = &quote->candidate[k];
+        if (!ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, give_up, &chain, &quote->num_priced)) continue;
+        improve(candidate, ssv_candidate_of(&chain.grasp, &chain.price));
+        if (ssv_price_beats(&chain.price, &best->price)) *best = chain;
     }
 }
 
@@ -74,7 +60,7 @@ static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ss
     real_t promise[SSV_MAX_CANDIDATES], least = SSV_NEVER_GIVE_UP;
     bool looked[SSV_MAX_CANDIDATES] = {false}, done[SSV_MAX_CANDIDATES] = {false};
     ssv_directions_t directions;
-    ssv_look_t look, promising; // the latter at the most promising
+    ssv_look_t look; // at the most promising
     ssv_cheap_directions(problem, &directions);
     for (int k = 0; k < quote->num_candidates; k++) {
         const ssv_candidate_t* candidate = &quote->candidate[k];
@@ -86,21 +72,17 @@ static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ss
         looked[next] = true;
         done[next] = !all && (n >= num_looks[effort] || promise[next] >= least);
         if (done[next]) continue;
-        promise[next] =
-            ssv_optimal_look(problem, &directions, candidate->contact, candidate->attach_height_m, &look, &quote->num_priced);
-        if (promise[next] >= least) continue;
-        least = promise[next];
-        promising = look;
+        promise[next] = ssv_optimal_look(problem, &directions, candidate->contact, candidate->attach_height_m, least, &look,
+                                         &quote->num_priced);
+        least = real_min(least, promise[next]);
     }
     for (int n = 0; n < (all ? quote->num_candidates : num_searched[effort]); n++) {
         const int next = least_of(promise, done, quote->num_candidates);
         if (next < 0) break;
-        const ssv_candidate_t* candidate = &quote->candidate[next];
-        ssv_chain_t chain;
+        ssv_candidate_t* candidate = &quote->candidate[next];
         done[next] = true;
-        ssv_search_optimal(problem, &directions, candidate->contact, candidate->attach_height_m, effort,
-                           n == 0 ? &promising : NULL, &chain, &quote->num_priced);
-        improve(quote, next, &chain, best);
+        improve(candidate, ssv_search_optimal(problem, &directions, candidate->contact, candidate->attach_height_m, effort,
+                                              n == 0 ? &look : NULL, best, &quote->num_priced));
     }
 }
 
@@ -133,7 +115,7 @@ bool ssv_choose_another(const ssv_problem_t* problem, ssv_outcome_t outcome, ssv
 }
 
 void ssv_quote_settle(const ssv_problem_t* problem, const ssv_chain_t* chain, ssv_quote_t* quote) {
-    quote->choice = candidate_of(chain);
+    quote->choice = ssv_candidate_of(&chain->grasp, &chain->price);
     quote->status = SSV_OK;
     quote->cost = quote->choice.cost;
     quote->time_s = quote->choice.time_s;

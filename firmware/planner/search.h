@@ -61,14 +61,15 @@ typedef struct {
     ssv_start_t start[SSV_LOOK_STARTS];
 } ssv_look_t;
 
-/// Draws and prices starts, cheapest first. @return about what ssv_search_optimal would find.
+/// Draws and prices starts, cheapest first, and writes them to *look if they promise less than `least`. @return about what
+/// ssv_search_optimal would find.
 real_t ssv_optimal_look(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
-                        ssv_look_t* look, int* num_priced);
+                        real_t least, ssv_look_t* look, int* num_priced);
 
-/// Turn, fly, turn in both phases, with travel attitudes, pivots, ring angle and both free rolls by J (DESIGN.md 6). The price
-/// is exact, the search goes by estimates. @param look what a look at this candidate found, or NULL; effort quick goes on
-/// from there.
-void ssv_search_optimal(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
-                        ssv_effort_t effort, const ssv_look_t* look, ssv_chain_t* best, int* num_priced);
+/// Turn, fly, turn in both phases, with travel attitudes, pivots, ring angle and both free rolls by J (DESIGN.md 6). The search
+/// goes by estimates, the price is exact. @param look what a look at this candidate found, or NULL; effort quick goes on from
+/// there. *best is replaced if what is found costs less. @return what was found.
+ssv_candidate_t ssv_search_optimal(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
+                                   ssv_effort_t effort, const ssv_look_t* look, ssv_chain_t* best, int* num_priced);
 
 #endif

@@ -29,10 +29,10 @@
 #define SSV_MAX_ATTACH_HEIGHTS 8
 #define SSV_MAX_CANDIDATES (SSV_NUM_CONTACTS * SSV_MAX_ATTACH_HEIGHTS)
 #define SSV_MAX_LEGS 8
-#define SSV_MAX_SEGMENTS 160
+#define SSV_MAX_SEGMENTS 128
 #define SSV_MAX_EVENTS 2
 /// Pieces of all legs together; one piece is one law dv/dt = a0 + a1 v + a2 v^2 of the speed along a leg.
-#define SSV_MAX_PIECES 96
+#define SSV_MAX_PIECES 64
 
 /// How far from unit length a quaternion or direction may be; closer is normalised, farther is refused.
 #define SSV_UNIT_TOLERANCE REAL(1e-3)
