@@ -2,7 +2,7 @@
 #ifndef SSV_SEARCH_H
 #define SSV_SEARCH_H
 
-#include "planner/chain.h"
+#include "planner/draw.h"
 
 /// No price is above it.
 #define SSV_NEVER_GIVE_UP REAL(1e9)
@@ -13,47 +13,8 @@
 bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, real_t give_up, ssv_chain_t* best,
                       int* num_priced);
 
-/// Axes, edges and diagonals of the body.
-#define SSV_NUM_DIRECTIONS 26
-
-/// The directions of the body that are cheap to fly along, and the price of a metre along each. If thrusters serve the vehicle
-/// rolled half a turn about x as well, the first num_upright stand for all.
-typedef struct {
-    int num, num_upright;
-    real_t least;
-    vec3_t n[SSV_NUM_DIRECTIONS];
-    real_t price[SSV_NUM_DIRECTIONS];
-} ssv_directions_t;
-
-void ssv_cheap_directions(const ssv_problem_t* problem, ssv_directions_t* directions);
-
 /// What the flights of a candidate cost at the cheapest, without any turn: an estimate from below, not a bound.
 real_t ssv_optimal_flights(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m);
-
-/// A phase's free numbers x. The vehicle travels with attitude q_IT exp(TURN -+ TWIST) as the flight starts and ends. A transfer
-/// has more: the vehicle's roll about its contact axis, the spins about the beam's axis as it lies and as it docks that the
-/// turns at both ends make besides what they must, and the pivots of these turns in S [m]. Rotations are in rad.
-enum {
-    SSV_X_TURN = 0,
-    SSV_X_TWIST = 3,
-    SSV_NUM_TRANSIT = 6,
-    SSV_X_MATE_ROLL = 6,
-    SSV_X_SPIN = 7,
-    SSV_X_PIVOT = 9,
-    SSV_NUM_TRANSFER = 15
-};
-
-typedef struct {
-    quat_t q_IT;
-    vec3_t n_S;                  ///< the direction of the body in which it flies, before TURN
-    real_t x[SSV_NUM_TRANSFER];
-} ssv_trial_t;
-
-/// A place where the search may start.
-typedef struct {
-    ssv_trial_t trial;
-    real_t price, transit_price; ///< estimates; the latter of what is flown before
-} ssv_start_t;
 
 #define SSV_LOOK_STARTS 4
 typedef struct {
