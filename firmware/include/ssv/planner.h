@@ -125,7 +125,7 @@ typedef struct {
     vec3_t axis_I;                ///< [-] unit, out of the hub; the docked beam's outward axis points against it
     int contact;                  ///< beam contact that docks: 1, 2, or 0 for either
     real_t standoff_m;            ///< [m] [0.001, 20] vehicle centre to beam axis when mated (paper Eq. 4: R_S + R_B)
-    real_t weight_time_per_s;     ///< [1/s] [0, 1000] W1 of J = W1 T + W2 F (paper Eq. 16)
+    real_t weight_time_per_s;     ///< [1/s] [0, 1000] W1 of J = W1 T + W2 F (paper Eq. 16); legs are shaped as if >= 0.01 N x W2
     real_t weight_impulse_per_Ns; ///< [1/(N s)] [0, 1000] W2; not both zero
     ssv_method_t method;
     ssv_effort_t effort;          ///< of SSV_METHOD_OPTIMAL
