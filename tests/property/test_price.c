@@ -95,8 +95,8 @@ static void test_optimal_never_costs_more_than_paper_nor_best_more_than_quick_no
            100 * sweep_quantile(gap, count, 0.5));
     printf("of them %d: best saves another %.1f %% (median; 1 in 100 above %.1f %%)\n", num_best,
            100 * sweep_quantile(gained, num_best, 0.5), 100 * sweep_quantile(gained, num_best, 0.99));
-    printf("%d without a price, %d above paper, %d best above quick, %d below the bound\n", no_price.count, above_paper.count,
-           above_quick.count, below_bound.count);
+    printf("%d without a price, %d above paper, %d best above quick, %d below the bound\n", no_price.count,
+           above_paper.count, above_quick.count, below_bound.count);
     assert_none("no price", no_price);
     assert_none("quick above paper", above_paper);
     assert_none("best above quick", above_quick);
