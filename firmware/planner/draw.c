@@ -7,29 +7,16 @@
 // Rolls of a transit about its way.
 #define NUM_ROLLS 4
 // Spins all around, and cosine and sine of their halves. Their number is odd: half a turn could as well go the other way.
-#define NUM_SPINS 7
-#define SPIN_STEP REAL(0.89759790102565518)
+#define NUM_SPINS 5
+#define SPIN_STEP REAL(1.2566370614359172)
 static const real_t spin_half_cosine[NUM_SPINS] = {
-    REAL(1),
-    REAL(0.90096886790241915),
-    REAL(0.62348980185873359),
-    REAL(0.22252093395631445),
-    REAL(-0.22252093395631445),
-    REAL(-0.62348980185873359),
-    REAL(-0.90096886790241915)};
+    REAL(1), REAL(0.80901699437494745), REAL(0.30901699437494745), REAL(-0.30901699437494734), REAL(-0.80901699437494734)};
 static const real_t spin_half_sine[NUM_SPINS] = {
-    REAL(0),
-    REAL(0.43388373911755812),
-    REAL(0.78183148246802980),
-    REAL(0.97492791218182362),
-    REAL(0.97492791218182362),
-    REAL(0.78183148246802980),
-    REAL(0.43388373911755812)};
+    REAL(0), REAL(0.58778525229247314), REAL(0.95105651629515353), REAL(0.95105651629515364), REAL(0.58778525229247325)};
 // Swings are tried with spins up to this one, either way.
-#define LAST_SWING 2
+#define LAST_SWING 1
 // Part of the price of a turn that it keeps when it is made on the way.
 #define SWING_SHARE REAL(0.25)
-
 
 // Whether the thrusters serve the vehicle rolled half a turn about x as well as before: three wrenches with nothing special about
 // them tell.

@@ -5,7 +5,7 @@
 // Shorter moves are rounding of the geometry, not motion: a hundredth of a micrometre, or of a microradian.
 #define LENGTH_MIN REAL(1e-8)
 // A thrust coefficient smaller than this fraction of its neighbours is rounding of the allocation.
-#define COEFFICIENT_MIN REAL(9.0949470177292824e-13)
+#define COEFFICIENT_MIN REAL(9.3132257461547852e-10)
 
 real_t ssv_leg_weight_time(const ssv_scenario_t* scenario) {
     return real_max(scenario->weight_time_per_s, real_mul(SSV_SECOND_COSTS_N, scenario->weight_impulse_per_Ns));
@@ -116,12 +116,10 @@ ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move,
         *ramp = SSV_OPTIMAL;
         return solve(scenario, move, thrusts, *ramp, profile);
     }
-    // A profile is large: rather than keep both, the one that is cheaper is solved last.
-    const ssv_price_t reverse = solve(scenario, move, thrusts, SSV_FULL_REVERSE, profile);
+    // A profile is large: rather than keep both, the first is solved again should it be the cheaper.
     const ssv_price_t coast = solve(scenario, move, thrusts, SSV_DRAG_ONLY, profile);
-    if (ssv_price_beats(&coast, &reverse)) {
-        *ramp = SSV_DRAG_ONLY;
-        return coast;
-    }
-    return solve(scenario, move, thrusts, SSV_FULL_REVERSE, profile);
+    const ssv_price_t reverse = solve(scenario, move, thrusts, SSV_FULL_REVERSE, profile);
+    if (!ssv_price_beats(&coast, &reverse)) return reverse;
+    *ramp = SSV_DRAG_ONLY;
+    return solve(scenario, move, thrusts, SSV_DRAG_ONLY, profile);
 }

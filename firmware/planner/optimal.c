@@ -25,7 +25,7 @@ typedef struct {
 #define LOOK_KINDS 2
 static const budget_t budgets[] = {
     [SSV_EFFORT_QUICK] = {LOOK_KINDS, SSV_LOOK_STARTS / LOOK_KINDS, 1, {{1, 1}, {0, 0}, {0, 0}}, 2, {1, 1}, {0, 0}},
-    [SSV_EFFORT_BEST] = {3, 3, 8, {{8, 3}, {3, 4}, {1, 4}}, MAX_TRANSITS, {1, 4}, {8, 4}}};
+    [SSV_EFFORT_BEST] = {3, 3, 6, {{6, 3}, {2, 4}, {1, 4}}, MAX_TRANSITS, {1, 4}, {8, 4}}};
 static const budget_t glance = {.transits = 1};
 
 // A third price along a direction is worth it if a parabola promises this much, another joint refinement if the last gained so.

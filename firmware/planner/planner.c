@@ -82,16 +82,26 @@ static ssv_outcome_t write_timeline(const ssv_problem_t* problem, real_t drift_m
     return SSV_FEASIBLE;
 }
 
-// How closely the timeline is cut [s2]: where the first asks for more segments than there is room for, more coarsely.
-#define NUM_DRIFTS 4
-static const real_t drift_max_s2[NUM_DRIFTS] = {REAL(1.6e-5), REAL(6.4e-5), REAL(2.5e-4), REAL(1e-3)};
+// How closely the timeline is cut [s2]: first to see how many segments that takes, which grow with the fourth root of its inverse;
+// then as finely as the plan's memory allows, or more coarsely.
+#define DRIFT_S2 REAL(1.6e-5)
+#define DRIFT_LEAST_S2 REAL(1e-6)
+#define MAX_COARSER 4
+#define SEGMENTS_WANTED (SSV_MAX_SEGMENTS - SSV_MAX_SEGMENTS / 10)
 
 SSV_OWN_FRAME static ssv_outcome_t write_plan(const ssv_problem_t* problem, const ssv_chain_t* chain, ssv_plan_t* plan) {
     ssv_outcome_t outcome = write_motion(problem, chain, plan);
     if (outcome != SSV_FEASIBLE) return outcome;
-    outcome = SSV_TOO_MANY_SEGMENTS;
-    for (int n = 0; n < NUM_DRIFTS && outcome == SSV_TOO_MANY_SEGMENTS; n++) {
-        outcome = write_timeline(problem, drift_max_s2[n], plan);
+    real_t drift_s2 = DRIFT_S2;
+    outcome = write_timeline(problem, drift_s2, plan);
+    if (outcome == SSV_FEASIBLE && plan->num_segments > 0 && plan->num_segments < SEGMENTS_WANTED) {
+        const real_t fraction = real_sq(real_sq(real_div(real_from_int(plan->num_segments), real_from_int(SEGMENTS_WANTED))));
+        outcome = write_timeline(problem, real_max(DRIFT_LEAST_S2, real_mul(DRIFT_S2, fraction)), plan);
+        if (outcome != SSV_FEASIBLE) outcome = write_timeline(problem, drift_s2, plan);
+    }
+    for (int n = 0; n < MAX_COARSER && outcome == SSV_TOO_MANY_SEGMENTS; n++) {
+        drift_s2 = real_mul(REAL(4), drift_s2);
+        outcome = write_timeline(problem, drift_s2, plan);
     }
     return outcome;
 }

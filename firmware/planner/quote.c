@@ -57,7 +57,7 @@ static int least_of(const real_t price[SSV_MAX_CANDIDATES], const bool done[SSV_
 // A look at the candidates with short ways, then a search of the most promising; of all if all are to be listed.
 static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ssv_quote_t* quote, ssv_chain_t* best) {
     const bool all = problem->scenario.want_candidates;
-    real_t promise[SSV_MAX_CANDIDATES], least = SSV_NEVER_GIVE_UP;
+    real_t promise[SSV_MAX_CANDIDATES], least = SSV_NEVER_GIVE_UP, turns = REAL(0);
     bool looked[SSV_MAX_CANDIDATES] = {false}, done[SSV_MAX_CANDIDATES] = {false};
     ssv_directions_t directions;
     ssv_look_t look; // at the most promising
@@ -70,15 +70,22 @@ static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ss
         const int next = least_of(promise, looked, quote->num_candidates);
         const ssv_candidate_t* candidate = &quote->candidate[next];
         looked[next] = true;
-        done[next] = !all && (n >= num_looks[effort] || promise[next] >= least);
+        // No look where the flights, and turns of half the price of the best so far, cost as much as that.
+        const real_t flights = promise[next];
+        done[next] = !all && (n >= num_looks[effort] || flights + real_mul(REAL(0.5), turns) >= least);
         if (done[next]) continue;
         promise[next] = ssv_optimal_look(problem, &directions, candidate->contact, candidate->attach_height_m, least, &look,
                                          &quote->num_priced);
-        least = real_min(least, promise[next]);
+        if (promise[next] >= least) continue;
+        least = promise[next];
+        turns = least - flights;
     }
     for (int n = 0; n < (all ? quote->num_candidates : num_searched[effort]); n++) {
         const int next = least_of(promise, done, quote->num_candidates);
         if (next < 0) break;
+        // A search rarely gains more than that on a look.
+        const bool hopeless = best->price.outcome == SSV_FEASIBLE && promise[next] >= real_mul(REAL(1.02), best->price.cost);
+        if (n > 0 && !all && hopeless) break;
         ssv_candidate_t* candidate = &quote->candidate[next];
         done[next] = true;
         improve(candidate, ssv_search_optimal(problem, &directions, candidate->contact, candidate->attach_height_m, effort,

@@ -177,6 +177,7 @@ static void test_optimal_comes_close_to_coupled_motion_on_the_case_study(void) {
     static const struct {
         double time, impulse, coupled_optimum, slack[2];
     } row[] = {
+        {1, 0, 166.2, {0.06, 0.035}},
         {1, 0.1, 628.8, {0.04, 0.02}},
         {1, 1, 3699.7, {0.03, 0.015}},
         {0.01, 1, 3399.2, {0.01, 0.005}},
