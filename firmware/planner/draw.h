@@ -14,9 +14,9 @@
 /// rolled half a turn about x as well, the first num_upright stand for all.
 typedef struct {
     int num, num_upright;
-    real_t least;
+    real_t least;                ///< of the prices [1/m], also those not kept
     vec3_t n[SSV_NUM_DIRECTIONS];
-    real_t price[SSV_NUM_DIRECTIONS];
+    real_t price[SSV_NUM_DIRECTIONS]; ///< [1/m] see ssv_metre_price
 } ssv_directions_t;
 
 void ssv_cheap_directions(const ssv_problem_t* problem, ssv_directions_t* directions);

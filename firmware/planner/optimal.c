@@ -31,6 +31,7 @@ static const budget_t glance = {.transits = 1};
 // A third price along a direction is worth it if a parabola promises this much, another joint refinement if the last gained so.
 #define WORTH_A_LOOK REAL(3e-5)
 #define WORTH_ANOTHER REAL(1e-5)
+// Where no thruster acts along a leg: no vehicle that ssv_problem_init accepts is so.
 #define NO_PRICE REAL(1e9)
 
 // ---- Refinement ---------------------------------------------------------------------------------------------------------
@@ -190,14 +191,14 @@ real_t ssv_optimal_flights(const ssv_problem_t* problem, const ssv_directions_t*
 }
 
 real_t ssv_optimal_look(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
-                        real_t least, ssv_look_t* look, int* num_priced) {
+                        const real_t* to_beat, ssv_look_t* look, int* num_priced) {
     ssv_task_t carry = transfer_of(problem, contact, height_m);
     ssv_start_t list[SSV_LOOK_STARTS];
     ssv_trial_t transit;
     const int num = draw(&carry, directions, LOOK_KINDS, SSV_LOOK_STARTS / LOOK_KINDS, list);
     const real_t price = list[0].price + find_transit(&carry, directions, &glance, &list[0].trial, &transit);
     *num_priced += carry.num_priced;
-    if (price >= least) return price;
+    if (to_beat != NULL && price >= *to_beat) return price;
     look->num = num;
     for (int k = 0; k < num; k++) look->start[k] = list[k];
     return price;

@@ -54,39 +54,38 @@ static pose_t end_of(const ssv_flight_t* flight, pose_t X_IS) {
 // Estimates of a price are never this much too high.
 #define ESTIMATE_MARGIN REAL(1.1)
 
-// What a grasp costs at least: by its straight flights, and if that is below give_up by an estimate with the optimal profile,
-// which no ramp betters. As far as it does not hang on a choice of axis.
-static real_t least_price(const ssv_problem_t* problem, const ssv_grasp_t* grasp, real_t give_up) {
+// Whether a grasp cannot cost less than this: by its straight flights, or by an estimate with the optimal profile, which no ramp
+// betters. As far as it does not hang on a choice of axis.
+static bool costs_at_least(const ssv_problem_t* problem, const ssv_grasp_t* grasp, real_t price) {
     const ssv_assembly_t alone = ssv_vehicle_alone(problem);
     ssv_flight_t flight;
     const int num_axes = lay_transit(problem, grasp, 0, &flight);
     const real_t to_beam = straight_price(problem, &alone, &flight.move[0]);
-    if (num_axes > 1) return to_beam;
+    if (num_axes > 1 || to_beam >= price) return to_beam >= price;
     const pose_t X_IS = end_of(&flight, problem->scenario.X_IS);
     const ssv_assembly_t pair = ssv_vehicle_with_beam(problem, X_IS);
     ssv_flight_t to_port;
-    if (lay_transfer(problem, &pair, grasp->contact, X_IS, 0, &to_port) > 1) return to_beam;
-    const real_t straight = to_beam + straight_price(problem, &pair, &to_port.move[1]);
+    if (lay_transfer(problem, &pair, grasp->contact, X_IS, 0, &to_port) > 1) return false;
+    if (to_beam + straight_price(problem, &pair, &to_port.move[1]) >= price) return true;
     real_t estimate[2];
-    if (straight >= give_up || give_up >= SSV_NEVER_GIVE_UP || !ssv_flight_estimate(problem, &alone, &flight, &estimate[0]) ||
-        !ssv_flight_estimate(problem, &pair, &to_port, &estimate[1])) {
-        return straight;
-    }
-    return real_max(straight, real_div(estimate[0] + estimate[1], ESTIMATE_MARGIN));
+    return ssv_flight_estimate(problem, &alone, &flight, &estimate[0]) &&
+           ssv_flight_estimate(problem, &pair, &to_port, &estimate[1]) &&
+           estimate[0] + estimate[1] >= real_mul(ESTIMATE_MARGIN, price);
 }
 
-bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, real_t give_up, ssv_chain_t* best,
+bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, const ssv_price_t* to_beat, ssv_chain_t* best,
                       int* num_priced) {
     const pose_t X_start = problem->scenario.X_IS;
     const ssv_assembly_t alone = ssv_vehicle_alone(problem);
     real_t ring_angle_rad[SSV_NUM_RING_ANGLES];
     const int num_rings = ssv_grasp_ring_angles(&problem->scenario, ring_angle_rad);
+    const bool may_skip = to_beat != NULL && to_beat->outcome == SSV_FEASIBLE;
     bool found = false;
     for (int ring = 0; ring < num_rings; ring++) {
         const ssv_grasp_t grasp = {contact, height_m, ring_angle_rad[ring]};
         ssv_flight_t trial, to_beam, to_port;
         ssv_chain_t chain;
-        if (least_price(problem, &grasp, give_up) >= give_up) continue;
+        if (may_skip && costs_at_least(problem, &grasp, to_beat->cost)) continue;
         int num_axes = 1;
         for (int k = 0; k < num_axes; k++) {
             num_axes = lay_transit(problem, &grasp, k, &trial);

@@ -29,12 +29,15 @@ static void list_candidates(const ssv_scenario_t* scenario, ssv_quote_t* quote) 
     }
 }
 
-// The paper's chain of each candidate; not those whose straight flights alone cost give_up.
-static void search_paper(const ssv_problem_t* problem, real_t give_up, ssv_quote_t* quote, ssv_chain_t* best) {
+// The paper's chain of each candidate that may be cheaper than what is known.
+static void search_paper(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
+    const ssv_price_t to_beat = best->price;
     ssv_chain_t chain;
     for (int k = 0; k < quote->num_candidates; k++) {
         ssv_candidate_t* candidate = &quote->candidate[k];
-        if (!ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, give_up, &chain, &quote->num_priced)) continue;
+        if (!ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, &to_beat, &chain, &quote->num_priced)) {
+            continue;
+        }
         improve(candidate, ssv_candidate_of(&chain.grasp, &chain.price));
         if (ssv_price_beats(&chain.price, &best->price)) *best = chain;
     }
@@ -57,7 +60,8 @@ static int least_of(const real_t price[SSV_MAX_CANDIDATES], const bool done[SSV_
 // A look at the candidates with short ways, then a search of the most promising; of all if all are to be listed.
 static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ssv_quote_t* quote, ssv_chain_t* best) {
     const bool all = problem->scenario.want_candidates;
-    real_t promise[SSV_MAX_CANDIDATES], least = SSV_NEVER_GIVE_UP, turns = REAL(0);
+    real_t promise[SSV_MAX_CANDIDATES], turns = REAL(0);
+    const real_t* least = NULL; // of the promises after a look
     bool looked[SSV_MAX_CANDIDATES] = {false}, done[SSV_MAX_CANDIDATES] = {false};
     ssv_directions_t directions;
     ssv_look_t look; // at the most promising
@@ -72,13 +76,13 @@ static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ss
         looked[next] = true;
         // No look where the flights, and turns of half the price of the best so far, cost as much as that.
         const real_t flights = promise[next];
-        done[next] = !all && (n >= num_looks[effort] || flights + real_mul(REAL(0.5), turns) >= least);
+        done[next] = !all && least != NULL && (n >= num_looks[effort] || flights + real_mul(REAL(0.5), turns) >= *least);
         if (done[next]) continue;
         promise[next] = ssv_optimal_look(problem, &directions, candidate->contact, candidate->attach_height_m, least, &look,
                                          &quote->num_priced);
-        if (promise[next] >= least) continue;
-        least = promise[next];
-        turns = least - flights;
+        if (least != NULL && promise[next] >= *least) continue;
+        least = &promise[next];
+        turns = *least - flights;
     }
     for (int n = 0; n < (all ? quote->num_candidates : num_searched[effort]); n++) {
         const int next = least_of(promise, done, quote->num_candidates);
@@ -107,7 +111,7 @@ bool ssv_choose(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* b
             search_optimal(problem, (ssv_effort_t)effort, quote, best);
         }
     }
-    search_paper(problem, best->price.outcome == SSV_FEASIBLE ? best->price.cost : SSV_NEVER_GIVE_UP, quote, best);
+    search_paper(problem, quote, best);
     return best->price.outcome == SSV_FEASIBLE;
 }
 
@@ -117,7 +121,7 @@ bool ssv_choose_another(const ssv_problem_t* problem, ssv_outcome_t outcome, ssv
     k = cheapest(quote);
     if (k < 0) return false;
     const ssv_candidate_t* candidate = &quote->candidate[k];
-    (void)ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, SSV_NEVER_GIVE_UP, chain, &quote->num_priced);
+    (void)ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, NULL, chain, &quote->num_priced);
     return true;
 }
 

@@ -4,28 +4,27 @@
 
 #include "planner/draw.h"
 
-/// No price is above it.
-#define SSV_NEVER_GIVE_UP REAL(1e9)
-
 /// The paper's chain: nearest ring angle (or the cheapest of several where none is nearest); translate, then turn the shortest
-/// way; turn about C, then translate. Ring angles that cost give_up or more, by a bound and an estimate with a margin, are
-/// left out. *num_priced grows by the chains that were priced. @return false if all were left out; then *best is not meaningful.
-bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, real_t give_up, ssv_chain_t* best,
+/// way; turn about C, then translate. Ring angles that a bound, or an estimate with a margin, rules out against a feasible price
+/// *to_beat are left out; NULL leaves out none. *num_priced grows by the chains that were priced. @return false if all were left
+/// out; then *best is not meaningful.
+bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, const ssv_price_t* to_beat, ssv_chain_t* best,
                       int* num_priced);
 
 /// What the flights of a candidate cost at the cheapest, without any turn: an estimate from below, not a bound.
 real_t ssv_optimal_flights(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m);
 
+/// What a look at a candidate finds.
 #define SSV_LOOK_STARTS 4
 typedef struct {
-    int num;
+    int num;                     ///< at least 1
     ssv_start_t start[SSV_LOOK_STARTS];
 } ssv_look_t;
 
-/// Draws and prices starts, cheapest first, and writes them to *look if they promise less than `least`. @return about what
-/// ssv_search_optimal would find.
+/// Draws and prices starts, cheapest first, and writes them to *look if they promise less than *to_beat, or if that is NULL.
+/// @return about what ssv_search_optimal would find.
 real_t ssv_optimal_look(const ssv_problem_t* problem, const ssv_directions_t* directions, int contact, real_t height_m,
-                        real_t least, ssv_look_t* look, int* num_priced);
+                        const real_t* to_beat, ssv_look_t* look, int* num_priced);
 
 /// Turn, fly, turn in both phases, with travel attitudes, pivots, ring angle and both free rolls by J (DESIGN.md 6). The search
 /// goes by estimates, the price is exact. @param look what a look at this candidate found, or NULL; effort quick goes on from

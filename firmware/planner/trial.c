@@ -3,7 +3,6 @@
 // Steps to and fro between how the vehicle travels and where.
 #define NUM_AIMS 2
 
-
 quat_t ssv_attitude(vec3_t a_S, vec3_t b_S, vec3_t a_I, vec3_t b_I) {
     const quat_t q = quat_between(a_S, a_I);
     const vec3_t b = quat_apply(q, b_S);

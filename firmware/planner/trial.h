@@ -23,7 +23,7 @@ enum {
 };
 
 typedef struct {
-    quat_t q_IT;
+    quat_t q_IT;                 ///< vehicle in the middle of the flight, before TURN
     vec3_t n_S;                  ///< the direction of the body in which it flies, before TURN
     real_t x[SSV_NUM_TRANSFER];
 } ssv_trial_t;
@@ -33,17 +33,17 @@ typedef struct {
     const ssv_problem_t* problem;
     ssv_phase_t phase;
     int contact;
-    real_t height_m;
-    pose_t X_from, X_to; ///< ends of the transit; those of a transfer are its trials' to choose
-    const ssv_trial_t* transit; ///< what a transfer's price shall include, or NULL
-    int num_priced;
+    real_t height_m;             ///< [m] attach height along z_B
+    pose_t X_from, X_to;         ///< ends of the transit; those of a transfer are its trials' to choose
+    const ssv_trial_t* transit;  ///< what a transfer's price shall include, or NULL
+    int num_priced;              ///< trials so far
 } ssv_task_t;
 
 /// What a trial amounts to.
 typedef struct {
-    ssv_assembly_t assembly;
-    pose_t X_from;
-    ssv_grasp_t grasp;
+    ssv_assembly_t assembly;     ///< what moves
+    pose_t X_from;               ///< vehicle where the flight begins
+    ssv_grasp_t grasp;           ///< of a transfer
     ssv_flight_t flight;
 } ssv_motion_t;
 

@@ -171,6 +171,22 @@ static void test_quote_lists_candidates_only_when_asked_and_is_the_plan_s_price_
     }
 }
 
+static void test_heavy_weights_and_strong_thrusters_price_a_task_beyond_any_round_number(void) {
+    for (int method = SSV_METHOD_OPTIMAL; method <= SSV_METHOD_PAPER; method++) {
+        ssv_scenario_t s = task_case_study(true);
+        s.method = (ssv_method_t)method;
+        s.want_candidates = false;
+        s.vehicle.force_max_N = REAL(10000);
+        s.vehicle.body.drag_lin_kg_s = REAL(100000);
+        s.X_IS.p.x = REAL(-900);
+        TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
+        const real_t cost = plan.quote.cost;
+        s.weight_time_per_s = s.weight_impulse_per_Ns = REAL(512);
+        TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
+        TEST_ASSERT_TRUE(plan.quote.cost == 512 * cost && plan.quote.cost > 1e9);
+    }
+}
+
 static void test_optimal_comes_close_to_coupled_motion_on_the_case_study(void) {
     // The least J known for the case study of model paper, from direct collocation of motion that turns and flies at once,
     // and how far above it either effort may stay.
@@ -257,6 +273,7 @@ int main(void) {
     RUN_TEST(test_task_that_is_done_already_costs_nothing);
     RUN_TEST(test_plan_that_would_take_too_long_is_infeasible_with_a_reason_for_each_candidate);
     RUN_TEST(test_quote_lists_candidates_only_when_asked_and_is_the_plan_s_price_either_way);
+    RUN_TEST(test_heavy_weights_and_strong_thrusters_price_a_task_beyond_any_round_number);
     RUN_TEST(test_optimal_comes_close_to_coupled_motion_on_the_case_study);
     RUN_TEST(test_front_of_the_case_study_serves_a_scheduler_that_changes_its_weights);
     RUN_TEST(test_quote_and_front_of_an_infeasible_task_say_so);

@@ -272,7 +272,7 @@ typedef struct {
 
 /// The front over the scenario's candidates and over a ladder of weights from time alone to impulse alone, each rung planned
 /// with the scenario's method and effort. A scheduler that changes its weights takes the point that costs least with them.
-/// A point costs what `ssv_quote` says for that rung. @return SSV_OK or SSV_INFEASIBLE; every field of *front is written.
+/// A point is what `ssv_quote` finds for that rung when it lists all candidates. Costs nine such quotes. @return SSV_OK or SSV_INFEASIBLE; every field of *front is written.
 ssv_status_t ssv_front(const ssv_problem_t* problem, ssv_front_t* front);
 
 /// Plans. @return SSV_OK or SSV_INFEASIBLE, also in plan->quote.status. Every field of *plan is written.
