@@ -4,8 +4,31 @@
 
 // A stretch over which dv/dt changes less than this factor is integrated by quadrature: there the closed forms cancel.
 #define SHORT_RATIO REAL(1.3)
+// Coefficients are scaled to be below this.
+#define SCALED REAL(255)
+// Roots this many times beyond both speeds make no difference: there dv/dt hardly changes.
+#define FAR_ROOT REAL(1000)
+// Longer than any leg may take.
+#define FOR_EVER_S REAL(1e6)
 
-bool ssv_quadratic_roots(const real_t c[3], real_t far, real_t root[2]) {
+// The same quadratic times 2^n, so that neither its discriminant overflows nor small coefficients lose their digits. @return n.
+static int scale(const real_t c[3], real_t scaled[3]) {
+    const real_t largest = real_max(real_abs(c[0]), real_max(real_abs(c[1]), real_abs(c[2])));
+    const int n = real_exponent(SCALED) - real_exponent(largest);
+    for (int k = 0; k < 3; k++) scaled[k] = real_scale(c[k], n);
+    return n;
+}
+
+// a / b, or far if that is larger in size.
+static real_t div_up_to(real_t a, real_t b, real_t far) {
+    if (b == REAL(0) || real_exponent(a) - real_exponent(b) > real_exponent(far)) return far;
+    const real_t ratio = real_div(a, b);
+    return real_abs(ratio) < far ? ratio : far;
+}
+
+bool ssv_quadratic_roots(const real_t unscaled[3], real_t far, real_t root[2]) {
+    real_t c[3];
+    (void)scale(unscaled, c);
     const real_t disc = real_sq(c[1]) - real_mul(REAL(4), real_mul(c[0], c[2]));
     if (disc < REAL(0)) return false;
     const real_t q = real_mul(REAL(-0.5), c[1] + (c[1] < REAL(0) ? -real_sqrt(disc) : real_sqrt(disc)));
@@ -14,8 +37,7 @@ bool ssv_quadratic_roots(const real_t c[3], real_t far, real_t root[2]) {
         root[0] = root[1] = REAL(0);
         return true;
     }
-    const real_t a = real_div(c[0], q);
-    const real_t b = real_abs(c[2]) > real_div(real_abs(q), far) ? real_div(q, c[2]) : far;
+    const real_t a = div_up_to(c[0], q, far), b = div_up_to(q, c[2], far);
     root[0] = real_min(a, b);
     root[1] = real_max(a, b);
     return true;
@@ -50,7 +72,9 @@ static ssv_moments_t moments_by_quadrature(const real_t law[3], real_t v_from, r
 
 // Time from dv/dt = Q(v): with tau = dv / (2 Q_a + Q_a' dv) and d the discriminant, t = 2 atanh(sqrt(d) tau) / sqrt(d), or
 // the arc tangent where d < 0. No case of it cancels: 1 - d tau^2 = 4 Q_a Q_b / (2 Q_a + Q_a' dv)^2 exactly.
-static real_t law_time(const real_t law[3], real_t v_from, real_t v_to) {
+static real_t law_time(const real_t unscaled[3], real_t v_from, real_t v_to) {
+    real_t law[3];
+    const int n = scale(unscaled, law);
     const real_t dv = v_to - v_from;
     const real_t Q_a = ssv_quadratic_at(law, v_from), Q_b = ssv_quadratic_at(law, v_to);
     const real_t den = real_mul(REAL(2), Q_a) + real_mul(law[1] + real_mul(REAL(2), real_mul(law[2], v_from)), dv);
@@ -58,13 +82,15 @@ static real_t law_time(const real_t law[3], real_t v_from, real_t v_to) {
     const real_t root = real_sqrt(real_abs(disc));
     if (disc < REAL(0)) {
         const real_t sign = Q_a < REAL(0) ? REAL(-1) : REAL(1);
-        return real_div(real_mul(REAL(2), real_atan2(real_mul(sign, real_mul(root, dv)), real_mul(sign, den))), root);
+        const real_t angle = real_atan2(real_mul(sign, real_mul(root, dv)), real_mul(sign, den));
+        return real_scale(real_div(real_mul(REAL(2), angle), root), n);
     }
     const real_t x = real_abs(real_div(real_mul(root, dv), den));
-    if (x < REAL(1e-8)) return real_div(real_mul(REAL(2), dv), den);
+    if (x < REAL(1e-8)) return real_scale(real_div(real_mul(REAL(2), dv), den), n);
     const real_t one_minus_x2 = real_mul(real_mul(REAL(4), real_div(Q_a, den)), real_div(Q_b, den));
+    if (one_minus_x2 <= REAL(0)) return FOR_EVER_S; // dv/dt is zero at one end: only approached
     const real_t t = real_div(real_mul(REAL(2), real_log1p(x)) - real_log1p(one_minus_x2 - REAL(1)), root);
-    return (dv < REAL(0)) == (Q_a < REAL(0)) ? t : -t; // a ramp is measured from rest, also against time
+    return real_scale((dv < REAL(0)) == (Q_a < REAL(0)) ? t : -t, n); // a ramp is measured from rest, also against time
 }
 
 // log(1 + y) / y and its first moment, both smooth at y = 0.
@@ -87,12 +113,15 @@ ssv_moments_t ssv_law_moments(const real_t law[3], real_t v_from, real_t v_to, r
     ssv_moments_t m = {time, real_mul(time, v_from), real_mul(time, real_sq(v_from))};
     if (dv == REAL(0)) return m;
     if (is_short(law, v_from, v_to)) {
-        m = moments_by_quadrature(law, v_from, v_to);
-        m.time = time;
+        // Close to a terminal speed only the ratios of the sums are good.
+        const ssv_moments_t sum = moments_by_quadrature(law, v_from, v_to);
+        if (sum.time == REAL(0)) return m;
+        m.distance = real_mul(time, real_div(sum.distance, sum.time));
+        m.speed2 = real_mul(time, real_div(sum.speed2, sum.time));
         return m;
     }
     real_t root[2];
-    const real_t far = real_mul(REAL(1e12), real_max(v_from, v_to));
+    const real_t far = real_mul(FAR_ROOT, real_max(v_from, v_to));
     if (ssv_quadratic_roots(law, far, root)) {
         // Q = (v - v_t) q(v) with v_t the nearer root: v / Q = v_t / Q + 1 / q and v^2 / Q = v_t^2 / Q + (v + v_t) / q.
         const real_t mid = real_mul(REAL(0.5), v_from + v_to);
@@ -118,13 +147,15 @@ ssv_moments_t ssv_law_integrals(const real_t law[3], real_t v_from, real_t v_to)
     return ssv_law_moments(law, v_from, v_to, law_time(law, v_from, v_to));
 }
 
-real_t ssv_law_speed(const real_t law[3], real_t v_from, real_t t) {
+real_t ssv_law_speed(const real_t unscaled[3], real_t v_from, real_t unscaled_t) {
+    real_t law[3];
+    const real_t t = real_scale(unscaled_t, -scale(unscaled, law));
     const real_t Q = ssv_quadratic_at(law, v_from);
     const real_t slope = law[1] + real_mul(REAL(2), real_mul(law[2], v_from));
     const real_t disc = real_sq(law[1]) - real_mul(REAL(4), real_mul(law[0], law[2]));
     const real_t root = real_sqrt(real_abs(disc));
-    const real_t x = real_mul(REAL(0.5), real_mul(root, t));
-    real_t tau = real_mul(REAL(0.5), t); // tanh(x) / root, tan(x) / root
+    const real_t x = real_mul(REAL(0.5), real_mul(root, real_abs(t)));
+    real_t tau = real_mul(REAL(0.5), real_abs(t)); // tanh(x) / root, tan(x) / root
     if (x > REAL(1e-8)) {
         if (disc < REAL(0)) {
             tau = real_div(real_tan(x), root);
@@ -133,5 +164,6 @@ real_t ssv_law_speed(const real_t law[3], real_t v_from, real_t t) {
             tau = real_div(-e, real_mul(REAL(2) + e, root));
         }
     }
+    if (t < REAL(0)) tau = -tau;
     return v_from + real_div(real_mul(real_mul(REAL(2), Q), tau), REAL(1) - real_mul(slope, tau));
 }

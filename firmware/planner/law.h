@@ -29,7 +29,7 @@ ssv_moments_t ssv_law_integrals(const real_t law[3], real_t v_from, real_t v_to)
 /// The same where the time between the two speeds is known; more exact close to a terminal speed.
 ssv_moments_t ssv_law_moments(const real_t law[3], real_t v_from, real_t v_to, real_t time);
 
-/// Speed after time t >= 0 from speed v_from.
+/// Speed a time t after (before, if t < 0) the speed was v_from.
 real_t ssv_law_speed(const real_t law[3], real_t v_from, real_t t);
 
 #endif

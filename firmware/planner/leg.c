@@ -3,9 +3,9 @@
 #include "planner/alloc.h"
 
 // Shorter moves are rounding of the geometry, not motion: a hundredth of a micrometre, or of a microradian.
-#define LENGTH_MIN REAL(1e-8)
+#define LENGTH_MIN real_max(REAL(1e-8), 16 * REAL_NOISE)
 // A thrust coefficient smaller than this fraction of its neighbours is rounding of the allocation.
-#define COEFFICIENT_MIN REAL(9.3132257461547852e-10)
+#define COEFFICIENT_MIN real_max(REAL(9.3132257461547852e-10), 16 * REAL_NOISE)
 
 real_t ssv_leg_weight_time(const ssv_scenario_t* scenario) {
     return real_max(scenario->weight_time_per_s, real_mul(SSV_SECOND_COSTS_N, scenario->weight_impulse_per_Ns));

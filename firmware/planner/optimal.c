@@ -32,7 +32,7 @@ static const budget_t glance = {.transits = 1};
 #define WORTH_A_LOOK REAL(3e-5)
 #define WORTH_ANOTHER REAL(1e-5)
 // Where no thruster acts along a leg: no vehicle that ssv_problem_init accepts is so.
-#define NO_PRICE REAL(1e9)
+#define NO_PRICE (REAL_MAX / 64)
 
 // ---- Refinement ---------------------------------------------------------------------------------------------------------
 

@@ -24,6 +24,8 @@
 // An estimated peak this close to the cruise is taken for the cruise; a peak found too low is left by a little more than asked.
 #define NEARLY REAL(0.97)
 #define BEYOND REAL(1.003)
+// Faster than any vehicle [m/s or rad/s].
+#define FASTEST REAL(1e4)
 // Longer than any leg [m or rad].
 #define HOLD_FOR_EVER REAL(1e6)
 // A thruster whose drag costs less than this fraction of the cruise idles there for all that matters: a coast on it is no
@@ -298,7 +300,7 @@ static real_t top_speed(const laws_t* laws, real_t distance) {
         for (int sign = -1; sign <= 1; sign += 2) {
             const real_t c[3] = {real_mul(real_from_int(sign), t->force_max_N), t->linear[i], t->quadratic[i]};
             real_t root[2];
-            if ((c[1] == REAL(0) && c[2] == REAL(0)) || !ssv_quadratic_roots(c, REAL(1e9), root)) continue;
+            if ((c[1] == REAL(0) && c[2] == REAL(0)) || !ssv_quadratic_roots(c, FASTEST, root)) continue;
             for (int k = 0; k < 2; k++) {
                 if (root[k] > REAL(0) && (!bounded || root[k] < top)) {
                     top = root[k];

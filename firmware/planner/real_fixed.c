@@ -138,6 +138,14 @@ real_t real_sqrt(real_t a) {
     return rest > root ? root + 1 : root;
 }
 
+real_t real_scale(real_t a, int n) {
+    if (n <= 0) return n < -62 ? 0 : (a + (((int64_t)1 << -n) >> 1)) >> -n;
+    if (n >= 58 ? a != 0 : size_of(a) >> (58 - n) != 0) return overflow(a < 0);
+    return a * ((int64_t)1 << n);
+}
+
+int real_exponent(real_t a) { return a == 0 ? 0 : 32 - __builtin_clzll(size_of(a)); }
+
 // ---- Transcendental functions -------------------------------------------------------------------------------------------
 
 // c[0] + c[1] w + c[2] w^2 + ...

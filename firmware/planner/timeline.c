@@ -13,53 +13,36 @@ static const real_t node[NUM_NODES] = {REAL(0.069431844202973712), REAL(0.330009
 static const real_t weight[NUM_NODES] = {REAL(0.17392742256872693), REAL(0.32607257743127307), REAL(0.32607257743127307),
                                          REAL(0.17392742256872693)};
 
-// A stretch of a piece: where it is looked at and how fast the body is there, and integrals over it of v and v^2, also times
-// the fraction of the stretch that has passed less one half.
-typedef struct {
-    real_t at[NUM_CHECKS], v[NUM_CHECKS];
-    ssv_moments_t mean;
-    real_t v_lean, v2_lean;
-} stretch_t;
-
-static void look_at(const ssv_piece_t* piece, real_t t, real_t h, stretch_t* stretch) {
-    stretch->v_lean = stretch->v2_lean = REAL(0);
-    for (int k = 0; k < NUM_CHECKS; k++) {
-        stretch->at[k] = k < NUM_NODES ? node[k] : real_from_int(k - NUM_NODES);
-        const real_t v = stretch->v[k] = ssv_piece_speed(piece, t + real_mul(h, stretch->at[k]));
-        if (k >= NUM_NODES) continue;
-        const real_t lean = real_mul(real_mul(weight[k], h), node[k] - REAL(0.5));
-        stretch->v_lean += real_mul(lean, v);
-        stretch->v2_lean += real_mul(lean, real_sq(v));
+// The straight line with the impulse and the first moment of a thrust, given where it is looked at, so that neither speed nor
+// distance is lost; turned where it would leave the thruster's limits.
+static void fit(const real_t u[NUM_CHECKS], real_t limit, real_t* u_start, real_t* u_end) {
+    real_t mean = REAL(0), lean = REAL(0);
+    for (int k = 0; k < NUM_NODES; k++) {
+        const real_t share = real_mul(weight[k], u[k]);
+        mean += share;
+        lean += real_mul(node[k] - REAL(0.5), share);
     }
-    stretch->mean = ssv_piece_moments(piece, stretch->v[NUM_NODES], stretch->v[NUM_NODES + 1], h);
-}
-
-// The straight line with the exact impulse and the exact first moment, so that neither speed nor distance is lost; turned
-// where it would leave the thruster's limits.
-static void fit(const real_t c[3], const stretch_t* stretch, real_t limit, real_t* u_start, real_t* u_end) {
-    const ssv_moments_t* m = &stretch->mean;
-    const real_t impulse = real_mul(c[0], m->time) + real_mul(c[1], m->distance) + real_mul(c[2], m->speed2);
-    const real_t mean = real_max(-limit, real_min(limit, real_div(impulse, m->time)));
-    const real_t room = limit - real_abs(mean);
-    const real_t lean = real_mul(c[1], stretch->v_lean) + real_mul(c[2], stretch->v2_lean);
-    const real_t swing = real_max(-room, real_min(room, real_div(real_mul(REAL(6), lean), m->time)));
+    mean = real_max(-limit, real_min(limit, mean));
+    const real_t room = limit - real_abs(mean), swing = real_max(-room, real_min(room, real_mul(REAL(6), lean)));
     *u_start = mean - swing;
     *u_end = mean + swing;
 }
 
 // Fills the segment's thrusts for a stretch of the piece; returns the largest error over force_max.
 static real_t fit_all(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t t, real_t h, ssv_segment_t* segment) {
-    stretch_t stretch;
-    look_at(piece, t, h, &stretch);
-    real_t worst = REAL(0);
+    real_t at[NUM_CHECKS], v[NUM_CHECKS], worst = REAL(0);
+    for (int k = 0; k < NUM_CHECKS; k++) {
+        at[k] = k < NUM_NODES ? node[k] : real_from_int(k - NUM_NODES);
+        v[k] = ssv_piece_speed(piece, t + real_mul(h, at[k]));
+    }
     for (int i = 0; i < N; i++) {
-        real_t c[3];
+        real_t c[3], u[NUM_CHECKS];
         ssv_piece_thrust(thrusts, piece, i, c);
-        fit(c, &stretch, thrusts->force_max_N, &segment->u_start_N[i], &segment->u_end_N[i]);
+        for (int k = 0; k < NUM_CHECKS; k++) u[k] = ssv_quadratic_at(c, v[k]);
+        fit(u, thrusts->force_max_N, &segment->u_start_N[i], &segment->u_end_N[i]);
         const real_t rise = segment->u_end_N[i] - segment->u_start_N[i];
         for (int k = 0; k < NUM_CHECKS; k++) {
-            const real_t line = segment->u_start_N[i] + real_mul(stretch.at[k], rise);
-            worst = real_max(worst, real_abs(ssv_quadratic_at(c, stretch.v[k]) - line));
+            worst = real_max(worst, real_abs(u[k] - segment->u_start_N[i] - real_mul(at[k], rise)));
         }
     }
     return real_div(worst, thrusts->force_max_N);
@@ -77,11 +60,12 @@ ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_
         bool fits = false;
         for (int n = 0; n < MAX_TRIALS; n++) {
             const real_t error = fit_all(thrusts, piece, t, h, segment);
-            const real_t drift = real_mul(error, real_sq(h));
+            const real_t drift = real_mul(real_mul(error, h), h);
             fits = error <= tolerance && drift <= drift_max_s2;
             if (fits) break;
             // The error of a line grows with the square of its length, the drift with the fourth power.
-            const real_t shrink = real_sqrt(real_min(real_div(tolerance, error), real_sqrt(real_div(drift_max_s2, drift))));
+            const real_t shrink = real_sqrt(real_min(real_div(tolerance, real_max(tolerance, error)),
+                                                    real_sqrt(real_div(drift_max_s2, real_max(drift_max_s2, drift)))));
             h = real_mul(h, real_max(REAL(0.1), real_mul(REAL(0.95), shrink)));
         }
         if (!fits) return SSV_TOO_MANY_SEGMENTS;

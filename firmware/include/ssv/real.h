@@ -10,6 +10,11 @@
 ///   REAL(literal)                                          a constant, converted when compiled
 ///   real_mul real_div real_abs real_sqrt                   correctly rounded
 ///   real_log1p real_expm1 real_sin real_cos real_tan real_atan2(y, x)
+///   real_scale(a, n), real_exponent(a)                     a 2^n; and the n for which 2^(n-1) <= |a| < 2^n, to scale numbers
+///                                                          by before they lose digits or overflow. The IEEE scalars' own
+///                                                          exponents do that: there it is always 0
+///   REAL_MAX, REAL_NOISE                                   largest result; rounding to reckon with in numbers of about 1
+///                                                          that took some tens of operations
 ///   real_from_int                                          exact for |a| < 2^24
 ///   real_from_double real_to_double real_is_finite         the boundary: what comes from or goes to the outside. Rounds to
 ///                                                          the nearest; NaN and infinities pass, and are not finite

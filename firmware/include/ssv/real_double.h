@@ -2,6 +2,7 @@
 #ifndef SSV_REAL_DOUBLE_H
 #define SSV_REAL_DOUBLE_H
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -11,6 +12,8 @@ typedef double real_t;
 
 #define REAL_NAME "double"
 #define REAL(x) ((real_t)(x))
+#define REAL_MAX DBL_MAX
+#define REAL_NOISE DBL_EPSILON
 
 static inline real_t real_mul(real_t a, real_t b) { return a * b; }
 static inline real_t real_div(real_t a, real_t b) { return a / b; }
@@ -26,7 +29,13 @@ static inline real_t real_from_int(int a) { return (real_t)a; }
 static inline real_t real_from_double(double a) { return a; }
 static inline double real_to_double(real_t a) { return a; }
 static inline bool real_is_finite(real_t a) { return isfinite(a); }
+static inline real_t real_scale(real_t a, int n) { return n == 0 ? a : ldexp(a, n); }
 static inline uint32_t real_overflows(void) { return 0; }
+
+static inline int real_exponent(real_t a) {
+    (void)a;
+    return 0;
+}
 
 static inline uint64_t real_bits(real_t a) {
     const double d = a + 0.0;

@@ -22,14 +22,18 @@
 typedef int64_t real_t;
 
 #define REAL_NAME "fixed"
-/// Rounded to the nearest; the constant must be smaller than REAL_MAX.
-#define REAL(x) ((real_t)((x) * 4294967296.0 + ((x) * 4294967296.0 < 0 ? -0.5 : 0.5)))
+/// Rounded to the nearest; a constant that does not fit divides by zero, which compilers refuse.
+#define REAL(x) \
+    ((real_t)((x) * 4294967296.0 + ((x) * 1.0 < 0 ? -0.5 : 0.5)) / ((x) * 1.0 < 0x1p26 && (x) * 1.0 > -0x1p26))
 /// Largest result of a call.
 #define REAL_MAX ((real_t)1 << 58)
+#define REAL_NOISE ((real_t)1 << 8)
 
 real_t real_mul(real_t a, real_t b);
 real_t real_div(real_t a, real_t b);
 real_t real_sqrt(real_t a);
+real_t real_scale(real_t a, int n);
+int real_exponent(real_t a);
 real_t real_log1p(real_t a);
 real_t real_expm1(real_t a);
 real_t real_sin(real_t a);

@@ -2,6 +2,7 @@
 #ifndef SSV_REAL_FLOAT_H
 #define SSV_REAL_FLOAT_H
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -11,6 +12,8 @@ typedef float real_t;
 
 #define REAL_NAME "float"
 #define REAL(x) ((real_t)(x))
+#define REAL_MAX FLT_MAX
+#define REAL_NOISE FLT_EPSILON
 
 static inline real_t real_mul(real_t a, real_t b) { return a * b; }
 static inline real_t real_div(real_t a, real_t b) { return a / b; }
@@ -26,7 +29,13 @@ static inline real_t real_from_int(int a) { return (real_t)a; }
 static inline real_t real_from_double(double a) { return (real_t)a; }
 static inline double real_to_double(real_t a) { return (double)a; }
 static inline bool real_is_finite(real_t a) { return isfinite(a); }
+static inline real_t real_scale(real_t a, int n) { return n == 0 ? a : ldexpf(a, n); }
 static inline uint32_t real_overflows(void) { return 0; }
+
+static inline int real_exponent(real_t a) {
+    (void)a;
+    return 0;
+}
 
 static inline uint64_t real_bits(real_t a) {
     const float f = a + 0.0f;
