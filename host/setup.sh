@@ -35,6 +35,7 @@ _ssv_missing_packages() {
     esac
     if [[ $2 == tests ]]; then
         wanted+=(clang libclang-rt-dev default-jdk-headless)
+        wanted+=(gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm) # tests on bare Cortex-M cores
     fi
     if ! python3 -c 'import ensurepip, venv' 2>/dev/null; then
         wanted+=(python3-venv)
