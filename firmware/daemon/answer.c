@@ -129,6 +129,11 @@ static void reason_add_field(char* reason, const char* field, int index) {
     reason_add(reason, "%.*s%d%s", (int)(bracket - field), field, index, bracket);
 }
 
+static void reason_add_overflow(char* reason) {
+    reason_add(reason, "a number does not fit the planner's arithmetic, which is " REAL_NAME
+                       "; ask a planner that computes in another one, best double");
+}
+
 /// The fault in words: where, what, and what would be right.
 static void reason_add_fault(char* reason, const ssv_fault_t* fault) {
     const double value = real_to_double(fault->value);
@@ -152,6 +157,10 @@ static void reason_add_fault(char* reason, const ssv_fault_t* fault) {
         case SSV_E_WEIGHTS:
             reason_add(reason, ": both are zero, one must be positive");
             break;
+        case SSV_NUMERIC_OVERFLOW:
+            reason_add(reason, ": ");
+            reason_add_overflow(reason);
+            break;
         case SSV_OK:
         case SSV_INFEASIBLE:
             break;
@@ -167,6 +176,15 @@ static void reason_add_candidates(char* reason, const lcm_ssv_quote_t* quote) {
     }
 }
 
+static int8_t status_to_wire(ssv_status_t status) {
+    switch (status) {
+        case SSV_OK: return LCM_SSV_QUOTE_T_STATUS_OK;
+        case SSV_INFEASIBLE: return LCM_SSV_QUOTE_T_STATUS_INFEASIBLE;
+        case SSV_NUMERIC_OVERFLOW: return LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW;
+        default: return LCM_SSV_QUOTE_T_STATUS_INVALID;
+    }
+}
+
 /// A refusal that does not say why yet.
 static void quote_begin(const lcm_ssv_scenario_t* question, ssv_quote_parts_t* parts, lcm_ssv_quote_t* wire) {
     memset(wire, 0, sizeof *wire);
@@ -179,10 +197,11 @@ static void quote_begin(const lcm_ssv_scenario_t* question, ssv_quote_parts_t* p
     wire->front = parts->front;
 }
 
-/// The way from outside to a checked problem. @return SSV_OK, or what is wrong, which the reason then tells.
-static ssv_status_t check(const lcm_ssv_scenario_t* question, int64_t epoch_us, char* reason, ssv_problem_t* problem) {
+/// The way from outside to a checked problem. @return SSV_OK, or what is wrong, which the quote's status and reason then tell.
+static ssv_status_t check(const lcm_ssv_scenario_t* question, int64_t epoch_us, lcm_ssv_quote_t* wire,
+                          ssv_problem_t* problem) {
     if (epoch_us < 0) {
-        reason_add(reason, "epoch_us: %lld is negative, it must be 0 or later", (long long)epoch_us);
+        reason_add(wire->reason, "epoch_us: %lld is negative, it must be 0 or later", (long long)epoch_us);
         return SSV_E_RANGE;
     }
     ssv_scenario_t scenario;
@@ -190,7 +209,8 @@ static ssv_status_t check(const lcm_ssv_scenario_t* question, int64_t epoch_us, 
     ssv_scenario_from_wire(&scenario, question);
     const ssv_status_t checked = ssv_problem_init(problem, &scenario, &fault);
     if (checked != SSV_OK) {
-        reason_add_fault(reason, &fault);
+        wire->status = status_to_wire(checked);
+        reason_add_fault(wire->reason, &fault);
     }
     return checked;
 }
@@ -205,19 +225,21 @@ static void front_to_wire(const ssv_problem_t* problem, lcm_ssv_quote_t* wire) {
 }
 
 /// The core's quote in words of the wire, with the front if that is asked for.
-static void quote_to_wire(const ssv_problem_t* problem, const ssv_quote_t* quote, bool want_front, ssv_quote_parts_t* parts,
-                          lcm_ssv_quote_t* wire) {
+static void quote_to_wire(const ssv_problem_t* problem, const ssv_quote_t* quote, bool want_front, lcm_ssv_quote_t* wire) {
     wire->scenario_hash = (int64_t)quote->scenario_hash;
     wire->num_candidates = quote->num_candidates;
     for (int i = 0; i < quote->num_candidates; i++) {
         wire->candidates[i] = candidate_to_wire(&quote->candidate[i]);
     }
+    wire->status = status_to_wire(quote->status);
+    if (quote->status == SSV_INFEASIBLE) {
+        reason_add_candidates(wire->reason, wire);
+    } else if (quote->status == SSV_NUMERIC_OVERFLOW) {
+        reason_add_overflow(wire->reason);
+    }
     if (quote->status != SSV_OK) {
-        wire->status = LCM_SSV_QUOTE_T_STATUS_INFEASIBLE;
-        reason_add_candidates(parts->reason, wire);
         return;
     }
-    wire->status = LCM_SSV_QUOTE_T_STATUS_OK;
     wire->cost = real_to_double(quote->cost);
     wire->cost_lower_bound = real_to_double(quote->lower_bound);
     wire->time_s = real_to_double(quote->time_s);
@@ -266,12 +288,12 @@ void ssv_answer_refuse(const lcm_ssv_scenario_t* question, const char* reason, s
 ssv_status_t ssv_answer(const lcm_ssv_scenario_t* question, ssv_answer_t* answer) {
     ssv_problem_t problem;
     answer_begin(question, answer);
-    const ssv_status_t checked = check(question, question->epoch_us, answer->parts.reason, &problem);
+    const ssv_status_t checked = check(question, question->epoch_us, &answer->wire.quote, &problem);
     if (checked != SSV_OK) {
         return checked;
     }
     const ssv_status_t planned = ssv_plan(&problem, &answer->plan);
-    quote_to_wire(&problem, &answer->plan.quote, question->options.want_front != 0, &answer->parts, &answer->wire.quote);
+    quote_to_wire(&problem, &answer->plan.quote, question->options.want_front != 0, &answer->wire.quote);
     if (planned == SSV_OK) {
         motion_to_wire(&answer->plan, &answer->wire);
     }
@@ -295,15 +317,14 @@ static int batch_quote_begin(const lcm_ssv_scenario_batch_t* question, ssv_batch
 ssv_status_t ssv_answer_batch_next(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer) {
     const int i = batch_quote_begin(question, answer);
     const lcm_ssv_scenario_t* scenario = &question->scenarios[i];
-    ssv_quote_parts_t* parts = &answer->parts[i];
     ssv_problem_t problem;
-    const ssv_status_t checked = check(scenario, question->epoch_us, parts->reason, &problem);
+    const ssv_status_t checked = check(scenario, question->epoch_us, &answer->quotes[i], &problem);
     if (checked != SSV_OK) {
         return checked;
     }
     ssv_quote_t quote;
     const ssv_status_t priced = ssv_quote(&problem, &quote);
-    quote_to_wire(&problem, &quote, scenario->options.want_front != 0, parts, &answer->quotes[i]);
+    quote_to_wire(&problem, &quote, scenario->options.want_front != 0, &answer->quotes[i]);
     return priced;
 }
 

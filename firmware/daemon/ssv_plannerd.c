@@ -173,6 +173,7 @@ static void count_answer(lcm_ssv_planner_status_t* status, kind_t kind, ssv_stat
     switch (outcome) {
         case SSV_OK: kind == ASK_PLAN ? status->accepted++ : status->quoted++; break;
         case SSV_INFEASIBLE: status->infeasible++; break;
+        case SSV_NUMERIC_OVERFLOW: status->numeric_overflow++; break;
         case SSV_E_NOT_FINITE: status->rejected_not_finite++; break;
         case SSV_E_RANGE: status->rejected_range++; break;
         case SSV_E_NOT_UNIT: status->rejected_not_unit++; break;
@@ -218,9 +219,9 @@ static void plan_new(plannerd_t* self, const pending_t* next) {
     }
     note_time(plan_us, &self->status.last_plan_us, &self->status.worst_plan_us);
     const double plan_ms = (double)plan_us / 1e3;
-    if (outcome == SSV_INFEASIBLE) {
-        log_line(LOG_INFO, "scenario %" PRId64 ": infeasible after %.3f ms: %s", question->request_id, plan_ms,
-                 quote->reason);
+    if (outcome != SSV_OK) {
+        log_line(LOG_INFO, "scenario %" PRId64 ": %s after %.3f ms: %s", question->request_id,
+                 outcome == SSV_INFEASIBLE ? "infeasible" : "numeric overflow", plan_ms, quote->reason);
     } else {
         log_line(LOG_INFO, "scenario %" PRId64 ": ok, J %.6g, %.6g s, %.6g N s, %d segments, %d bytes, planned in %.3f ms",
                  question->request_id, quote->cost, quote->time_s, quote->impulse_Ns, wire->num_segments,
@@ -238,7 +239,10 @@ static void log_quotes(const plannerd_t* self) {
             continue;
         }
         log_line(LOG_INFO, "batch %" PRId64 ", scenario %d: %s: %s", wire->request_id, i,
-                 quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID ? "invalid" : "infeasible", quote->reason);
+                 quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID      ? "invalid"
+                 : quote->status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE ? "infeasible"
+                                                                      : "numeric overflow",
+                 quote->reason);
     }
     log_line(LOG_INFO, "batch %" PRId64 ": %d of %d scenarios ok, %d bytes, priced in %.3f ms", wire->request_id, num_ok,
              wire->num_quotes, lcm_ssv_quote_batch_t_encoded_size(wire), (double)self->quoting_us / 1e3);
@@ -468,13 +472,14 @@ int main(int argc, char** argv) {
     self.started_us = now_us();
     self.next_status_us = self.started_us;
     self.status.version = (char[]){SSV_VERSION};
+    self.status.scalar = (char[]){REAL_NAME};
     self.status.scenario_type_hash = __lcm_ssv_scenario_t_get_hash();
     self.status.plan_type_hash = __lcm_ssv_plan_t_get_hash();
     self.status.scenario_batch_type_hash = __lcm_ssv_scenario_batch_t_get_hash();
     self.status.quote_batch_type_hash = __lcm_ssv_quote_batch_t_get_hash();
     self.status.planner_status_type_hash = __lcm_ssv_planner_status_t_get_hash();
-    log_line(LOG_INFO, "ssv-plannerd " SSV_VERSION " listens for " CHANNEL_SCENARIO " and " CHANNEL_BATCH " at %s",
-             url);
+    log_line(LOG_INFO, "ssv-plannerd " SSV_VERSION " (" REAL_NAME ") listens for " CHANNEL_SCENARIO " and " CHANNEL_BATCH
+             " at %s", url);
 
     const int code = serve(&self);
     log_line(LOG_INFO,

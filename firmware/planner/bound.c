@@ -41,6 +41,7 @@ static bool can_row(const ssv_scenario_t* s) {
 
 real_t ssv_lower_bound(const ssv_problem_t* problem) {
     const ssv_scenario_t* s = &problem->scenario;
+    const uint32_t overflows = real_overflows();
     const vec3_t p_BS = pose_mul(pose_inv(s->X_IB), s->X_IS).p;
     const real_t off_ring = vec3_norm(vec3(p_BS.x, p_BS.y, REAL(0))) - s->standoff_m;
     const vec3_t axis_B = quat_apply(s->X_IB.q, vec3(REAL(0), REAL(0), REAL(1)));
@@ -63,5 +64,6 @@ real_t ssv_lower_bound(const ssv_problem_t* problem) {
             first = false;
         }
     }
-    return real_mul(ssv_least_metre_price(s), least);
+    const real_t bound = real_mul(ssv_least_metre_price(s), least);
+    return real_overflows() == overflows && real_is_finite(bound) ? bound : REAL(0);
 }

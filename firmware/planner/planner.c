@@ -120,18 +120,19 @@ SSV_OWN_FRAME static bool plan_by_paper(const ssv_problem_t* problem, ssv_chain_
 }
 
 ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_plan_t* plan) {
+    const uint32_t overflows = real_overflows();
     ssv_chain_t chain;
     memset(plan, 0, sizeof *plan);
     bool found = ssv_choose(problem, &plan->quote, &chain);
     // What is chosen may fail to fit the plan's memory.
     if (found && write_plan(problem, &chain, plan) != SSV_FEASIBLE) found = plan_by_paper(problem, &chain, plan);
-    if (found) {
-        ssv_quote_settle(problem, &chain, &plan->quote);
+    if (found) ssv_quote_settle(problem, &chain, &plan->quote);
+    if (ssv_quote_conclude(problem, overflows, &plan->quote) == SSV_OK) {
         plan->plan_hash = ssv_plan_hash(plan);
-        return SSV_OK;
+    } else {
+        memset((char*)plan + sizeof plan->quote, 0, sizeof *plan - sizeof plan->quote);
     }
-    memset((char*)plan + sizeof plan->quote, 0, sizeof *plan - sizeof plan->quote);
-    return SSV_INFEASIBLE;
+    return plan->quote.status;
 }
 
 static real_t clamp(real_t x, real_t low, real_t high) { return real_max(low, real_min(high, x)); }

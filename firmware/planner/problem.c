@@ -130,8 +130,11 @@ ssv_status_t ssv_problem_init(ssv_problem_t* problem, const ssv_scenario_t* scen
     check_beam(&checker, &p.scenario.beam);
     check_task(&checker, &p.scenario);
     check_grasp(&checker, &p.scenario);
-    if (checker.ok && ssv_alloc_init(&p.scenario.vehicle, &p.allocation) != SSV_OK) {
-        fail(&checker, SSV_E_SINGULAR, "vehicle.thrusters", -1, REAL(0), REAL(0), REAL(0));
+    if (checker.ok) {
+        const uint32_t overflows = real_overflows();
+        ssv_status_t status = ssv_alloc_init(&p.scenario.vehicle, &p.allocation);
+        if (real_overflows() != overflows) status = SSV_NUMERIC_OVERFLOW;
+        if (status != SSV_OK) fail(&checker, status, "vehicle.thrusters", -1, REAL(0), REAL(0), REAL(0));
     }
     if (!checker.ok) return fault->status;
     *problem = p;
@@ -150,6 +153,7 @@ const char* ssv_status_str(ssv_status_t status) {
     switch (status) {
         case SSV_OK: return "ok";
         case SSV_INFEASIBLE: return "no feasible candidate";
+        case SSV_NUMERIC_OVERFLOW: return "a number does not fit the planner's arithmetic";
         case SSV_E_NOT_FINITE: return "not a finite number";
         case SSV_E_RANGE: return "outside its range";
         case SSV_E_NOT_UNIT: return "not of unit length";

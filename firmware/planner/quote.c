@@ -142,10 +142,19 @@ void ssv_quote_settle(const ssv_problem_t* problem, const ssv_chain_t* chain, ss
     memset(quote->candidate, 0, sizeof quote->candidate);
 }
 
+ssv_status_t ssv_quote_conclude(const ssv_problem_t* problem, uint32_t overflows, ssv_quote_t* quote) {
+    if (real_overflows() == overflows && real_is_finite(quote->cost)) return quote->status;
+    memset(quote, 0, sizeof *quote);
+    quote->status = SSV_NUMERIC_OVERFLOW;
+    quote->scenario_hash = problem->scenario_hash;
+    return quote->status;
+}
+
 ssv_status_t ssv_quote(const ssv_problem_t* problem, ssv_quote_t* quote) {
+    const uint32_t overflows = real_overflows();
     ssv_chain_t chain;
     if (ssv_choose(problem, quote, &chain)) ssv_quote_settle(problem, &chain, quote);
-    return quote->status;
+    return ssv_quote_conclude(problem, overflows, quote);
 }
 
 // ---- Front --------------------------------------------------------------------------------------------------------------
@@ -176,6 +185,7 @@ static void front_add(ssv_front_t* front, const ssv_candidate_t* point, int spar
 
 ssv_status_t ssv_front(const ssv_problem_t* problem, ssv_front_t* front) {
     const ssv_scenario_t* scenario = &problem->scenario;
+    const uint32_t overflows = real_overflows();
     ssv_problem_t rung = *problem;
     ssv_quote_t quote;
     memset(front, 0, sizeof *front);
@@ -199,6 +209,11 @@ ssv_status_t ssv_front(const ssv_problem_t* problem, ssv_front_t* front) {
         ssv_candidate_t* point = &front->point[k];
         point->cost = real_mul(scenario->weight_time_per_s, point->time_s) +
                       real_mul(scenario->weight_impulse_per_Ns, point->impulse_Ns);
+    }
+    if (real_overflows() != overflows) {
+        memset(front, 0, sizeof *front);
+        front->status = SSV_NUMERIC_OVERFLOW;
+        front->scenario_hash = problem->scenario_hash;
     }
     return front->status;
 }

@@ -12,6 +12,10 @@ bool ssv_choose(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* b
 /// reason given. @return as ssv_choose.
 bool ssv_choose_another(const ssv_problem_t* problem, ssv_outcome_t outcome, ssv_quote_t* quote, ssv_chain_t* chain);
 
+/// Ends every answer. If a result did not fit the scalar since real_overflows() was `overflows`, or the price is not finite, all
+/// that the quote says is that; no other number of it can be trusted. @return quote->status.
+ssv_status_t ssv_quote_conclude(const ssv_problem_t* problem, uint32_t overflows, ssv_quote_t* quote);
+
 /// Completes the quote with the price of the chain that was chosen.
 void ssv_quote_settle(const ssv_problem_t* problem, const ssv_chain_t* chain, ssv_quote_t* quote);
 

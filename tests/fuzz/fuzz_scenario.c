@@ -61,6 +61,7 @@ static void check_quote(const lcm_ssv_scenario_t* question, const lcm_ssv_quote_
     const bool is_effort =
         options->effort == LCM_SSV_OPTIONS_T_EFFORT_QUICK || options->effort == LCM_SSV_OPTIONS_T_EFFORT_BEST;
     CHECK((is_method && is_effort) || quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID);
+    CHECK(quote->status != LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW); // what is within its range does not overflow a double
     if (quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID) {
         CHECK(quote->num_candidates == 0 && quote->num_front == 0);
         return;

@@ -56,8 +56,8 @@ typedef struct {
 /// want_front has no part in it: a front is asked for by a call of its own.
 void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* wire);
 
-/// Answers the question: plans it, or says why not. Never fails; the answer's status is OK, INFEASIBLE or INVALID.
-/// @return the core's status: SSV_OK, SSV_INFEASIBLE or what ssv_problem_init found.
+/// Answers the question: plans it, or says why not. Never fails; the answer's status and reason tell.
+/// @return the core's status: that of ssv_plan, or what ssv_problem_init found.
 ssv_status_t ssv_answer(const lcm_ssv_scenario_t* question, ssv_answer_t* answer);
 
 /// Refuses the question without planning it: status INVALID with this reason (copied, cut at SSV_REASON_SIZE - 1).

@@ -51,6 +51,8 @@
 typedef enum {
     SSV_OK = 0,
     SSV_INFEASIBLE = 1,        ///< a sound question to which no candidate is an answer
+    SSV_NUMERIC_OVERFLOW = 2,  ///< a sound question, but a number on the way to its answer did not fit the scalar: ask a planner
+                               ///< of another one (ssv/real.h). A candidate that would have been rejected counts too
     SSV_E_NOT_FINITE = -1,     ///< a NaN or an infinity
     SSV_E_RANGE = -2,          ///< outside the range that its field states
     SSV_E_NOT_UNIT = -3,       ///< a quaternion or direction farther than SSV_UNIT_TOLERANCE from unit length
@@ -162,14 +164,15 @@ typedef struct {
 } ssv_problem_t;
 
 /// Checks every field of the scenario against its range and caches the inverse of the thruster matrix.
-/// @return SSV_OK, or a negative status; then *problem is untouched and *fault says which field. Costs about a microsecond.
+/// @return SSV_OK, or else *problem is untouched and *fault says which field: a negative status, or SSV_NUMERIC_OVERFLOW where
+/// the matrix cannot be inverted in the scalar. Costs about a microsecond.
 ssv_status_t ssv_problem_init(ssv_problem_t* problem, const ssv_scenario_t* scenario, ssv_fault_t* fault);
 
 /// 64-bit hash (FNV-1a over the fields in the order declared) of a scenario, as given.
 uint64_t ssv_scenario_hash(const ssv_scenario_t* scenario);
 
 /// A price that no plan for this problem can undercut, whatever the method, from the balance of momentum (DESIGN.md 11). Costs
-/// less than a microsecond.
+/// less than a microsecond. Where a number does not fit the scalar it is 0, which no plan undercuts either.
 real_t ssv_lower_bound(const ssv_problem_t* problem);
 
 typedef enum { SSV_TRANSIT = 0, SSV_TRANSFER = 1 } ssv_phase_t;                      ///< vehicle alone; vehicle with beam
@@ -226,7 +229,7 @@ typedef struct {
 
 /// What a task costs.
 typedef struct {
-    ssv_status_t status;          ///< SSV_OK or SSV_INFEASIBLE
+    ssv_status_t status;          ///< SSV_OK, SSV_INFEASIBLE or SSV_NUMERIC_OVERFLOW
     uint64_t scenario_hash;
     real_t cost;                  ///< [-] J = W1 time_s + W2 impulse_Ns
     real_t lower_bound;           ///< [-] no plan costs less; see ssv_lower_bound
@@ -239,11 +242,11 @@ typedef struct {
 } ssv_quote_t;
 
 /// The price without the plan: that of `ssv_plan`, to the last bit, unless that plan turns out not to fit its memory (see
-/// SSV_TOO_MANY_SEGMENTS). @return SSV_OK or SSV_INFEASIBLE, also in quote->status. Every field of *quote is written; with
-/// SSV_INFEASIBLE only status, scenario_hash and the candidates are meaningful, the rest is zero.
+/// SSV_TOO_MANY_SEGMENTS). @return quote->status. Every field of *quote is written; with SSV_INFEASIBLE only status,
+/// scenario_hash and the candidates are meaningful, with SSV_NUMERIC_OVERFLOW the first two, the rest is zero.
 ssv_status_t ssv_quote(const ssv_problem_t* problem, ssv_quote_t* quote);
 
-/// The answer. With SSV_INFEASIBLE only the quote is meaningful, the rest is zero.
+/// The answer. Unless the quote's status is SSV_OK only the quote is meaningful, the rest is zero.
 typedef struct {
     ssv_quote_t quote;
     uint64_t plan_hash;
@@ -264,18 +267,19 @@ typedef struct {
 
 /// What time and impulse can be traded for: no point is better than another in both. In order of growing time.
 typedef struct {
-    ssv_status_t status;          ///< SSV_OK or SSV_INFEASIBLE
+    ssv_status_t status;          ///< SSV_OK, SSV_INFEASIBLE or SSV_NUMERIC_OVERFLOW
     uint64_t scenario_hash;
-    int num_points;
+    int num_points;               ///< 0 unless SSV_OK
     ssv_candidate_t point[SSV_MAX_FRONT]; ///< cost is that with the scenario's weights
 } ssv_front_t;
 
 /// The front over the scenario's candidates and over a ladder of weights from time alone to impulse alone, each rung planned
 /// with the scenario's method and effort. A scheduler that changes its weights takes the point that costs least with them.
-/// A point is what `ssv_quote` finds for that rung when it lists all candidates. Costs nine such quotes. @return SSV_OK or SSV_INFEASIBLE; every field of *front is written.
+/// A point is what `ssv_quote` finds for that rung when it lists all candidates. Costs nine such quotes. @return front->status;
+/// every field of *front is written.
 ssv_status_t ssv_front(const ssv_problem_t* problem, ssv_front_t* front);
 
-/// Plans. @return SSV_OK or SSV_INFEASIBLE, also in plan->quote.status. Every field of *plan is written.
+/// Plans. @return plan->quote.status. Every field of *plan is written.
 ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_plan_t* plan);
 
 /// 64-bit hash (FNV-1a over the fields in the order declared, plan_hash left out, arrays up to their counts) of a plan.
