@@ -24,10 +24,9 @@ void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assemb
     for (int k = 0; k < flight->num_moves; k++) {
         const ssv_move_t* move = &flight->move[k];
         ssv_thrusts_t thrusts;
-        ssv_profile_t profile;
         ssv_ramp_t ramp;
         ssv_move_thrusts(problem, assembly, move->twist, &thrusts);
-        flight->move_price[k] = ssv_move_solve(problem, move, &thrusts, &profile, &ramp);
+        flight->move_price[k] = ssv_move_price(problem, move, &thrusts, &ramp);
         add_price(&flight->price, &flight->move_price[k]);
         flight->X_IS_end = ssv_move_pose(flight->X_IS_end, move->twist, move->length);
     }

@@ -93,12 +93,13 @@ bool ssv_price_beats(const ssv_price_t* a, const ssv_price_t* b) {
     return a->outcome == SSV_FEASIBLE && (b->outcome != SSV_FEASIBLE || a->cost < b->cost);
 }
 
-// Solves with one ramp. @return its price.
-static ssv_price_t solve(const ssv_scenario_t* scenario, const ssv_move_t* move, const ssv_thrusts_t* thrusts, ssv_ramp_t ramp,
-                         ssv_profile_t* profile) {
+static ssv_rule_t rule_of(const ssv_scenario_t* scenario, const ssv_move_t* move, ssv_ramp_t ramp) {
     const real_t cutoff = move->kind == SSV_TRANSLATE ? SSV_CUTOFF_TRANSLATE_M_S : SSV_CUTOFF_TURN_RAD_S;
-    const ssv_rule_t rule = {ramp, cutoff, ssv_leg_weight_time(scenario), scenario->weight_impulse_per_Ns, REAL(0)};
-    ssv_price_t price = {ssv_profile_solve(thrusts, &rule, move->length, profile), REAL(0), REAL(0), REAL(0)};
+    return (ssv_rule_t){ramp, cutoff, ssv_leg_weight_time(scenario), scenario->weight_impulse_per_Ns, REAL(0)};
+}
+
+static ssv_price_t price_of(const ssv_scenario_t* scenario, const ssv_profile_price_t* profile) {
+    ssv_price_t price = {profile->outcome, REAL(0), REAL(0), REAL(0)};
     if (price.outcome != SSV_FEASIBLE) return price;
     price.time_s = profile->duration_s;
     price.impulse_Ns = profile->impulse_Ns;
@@ -106,20 +107,36 @@ static ssv_price_t solve(const ssv_scenario_t* scenario, const ssv_move_t* move,
     return price;
 }
 
-ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
-                           ssv_profile_t* profile, ssv_ramp_t* ramp) {
+ssv_price_t ssv_move_price(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts, ssv_ramp_t* ramp) {
     const ssv_scenario_t* scenario = &problem->scenario;
     *ramp = SSV_FULL_REVERSE;
-    profile->num_pieces = 0;
     if (!(move->length > REAL(0))) return (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
     if (scenario->method == SSV_METHOD_OPTIMAL) {
         *ramp = SSV_OPTIMAL;
-        return solve(scenario, move, thrusts, *ramp, profile);
+        const ssv_rule_t rule = rule_of(scenario, move, *ramp);
+        const ssv_profile_price_t optimal = ssv_profile_price(thrusts, &rule, move->length);
+        return price_of(scenario, &optimal);
     }
-    // A profile is large: rather than keep both, the first is solved again should it be the cheaper.
-    const ssv_price_t coast = solve(scenario, move, thrusts, SSV_DRAG_ONLY, profile);
-    const ssv_price_t reverse = solve(scenario, move, thrusts, SSV_FULL_REVERSE, profile);
-    if (!ssv_price_beats(&coast, &reverse)) return reverse;
+    const ssv_rule_t rule = rule_of(scenario, move, *ramp);
+    ssv_profile_price_t full_reverse, drag_only;
+    ssv_profile_price_ramps(thrusts, &rule, move->length, &full_reverse, &drag_only);
+    const ssv_price_t reverse = price_of(scenario, &full_reverse), drift = price_of(scenario, &drag_only);
+    if (!ssv_price_beats(&drift, &reverse)) return reverse;
     *ramp = SSV_DRAG_ONLY;
-    return solve(scenario, move, thrusts, SSV_DRAG_ONLY, profile);
+    return drift;
+}
+
+ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
+                           ssv_profile_t* profile, ssv_ramp_t* ramp) {
+    const ssv_scenario_t* scenario = &problem->scenario;
+    profile->num_pieces = 0;
+    *ramp = SSV_OPTIMAL;
+    if (scenario->method == SSV_METHOD_PAPER || !(move->length > REAL(0))) {
+        const ssv_price_t price = ssv_move_price(problem, move, thrusts, ramp);
+        if (price.outcome != SSV_FEASIBLE || !(move->length > REAL(0))) return price;
+    }
+    const ssv_rule_t rule = rule_of(scenario, move, *ramp);
+    const ssv_outcome_t outcome = ssv_profile_solve(thrusts, &rule, move->length, profile);
+    const ssv_profile_price_t price = {outcome, profile->duration_s, profile->impulse_Ns, profile->peak_speed};
+    return price_of(scenario, &price);
 }

@@ -47,8 +47,11 @@ real_t ssv_metre_price(const ssv_problem_t* problem, vec3_t n_S);
 /// Thrusts along a move of this assembly (DESIGN.md 4).
 void ssv_move_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assembly, ssv_twist_t twist, ssv_thrusts_t* thrusts);
 
-/// Solves the move: with the optimal profile, or for method paper with both its ramps, keeping the cheaper. A move of length 0
-/// costs nothing and has no pieces. @return the price; where no ramp is feasible, why; then *profile and *ramp are not meaningful.
+/// Price of a move: with the optimal profile, or for method paper with the cheaper of its ramps. A move of length 0 costs nothing.
+/// @return the price; where no ramp is feasible, why; then *ramp is not meaningful.
+ssv_price_t ssv_move_price(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts, ssv_ramp_t* ramp);
+
+/// The same with the profile; a move of length 0 has no pieces.
 ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
                            ssv_profile_t* profile, ssv_ramp_t* ramp);
 

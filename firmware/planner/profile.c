@@ -1,40 +1,40 @@
 #include "planner/profile.h"
 
-#include "planner/law.h"
+#include "planner/estimate.h"
+#include "planner/ramp.h"
 
 #define N SSV_NUM_THRUSTERS
-#define MAX_KNOTS SSV_MAX_PROFILE_PIECES
+// One piece is the cruise.
+#define MAX_STRETCHES (SSV_MAX_PROFILE_PIECES - 1)
 #define MAX_NEWTON 60
 #define MAX_FALSI 60
 
+// Faster than any vehicle [m/s or rad/s].
+#define FASTEST REAL(1e4)
 // Terminal speed is only approached; cruise at this much less. The time lost is the same fraction of the cruise.
-#define TERMINAL_MARGIN REAL(5.9604644775390625e-8)
-// Two laws closer than this fraction of their size are one law: the rest is rounding.
-#define SAME_LAW REAL(1e-11)
-// Thrusters whose laws agree this closely are one to the rules.
-#define SAME_THRUSTER REAL(1e-13)
-// The next knot lies at least this fraction of the top speed beyond the last; a law found out of place in between is so by
-// rounding only.
-#define PROBE REAL(9.3132257461547852e-10)
-
+#define TERMINAL_MARGIN real_max(REAL(5.9604644775390625e-8), 64 * REAL_NOISE)
 // How closely two ramps without a cruise cover their leg, as a fraction of it.
-#define PEAK_TOLERANCE REAL(1e-11)
+#define PEAK_TOLERANCE real_max(REAL(1e-11), 4 * REAL_NOISE)
 // A short optimal leg's ramps cover the distance to within twice this fraction, cruising the rest: in J that is its square.
-#define SHORT_BY REAL(1e-7)
+#define SHORT_BY REAL(1e-5)
 // An estimated peak this close to the cruise is taken for the cruise; a peak found too low is left by a little more than asked.
 #define NEARLY REAL(0.97)
 #define BEYOND REAL(1.003)
-// Faster than any vehicle [m/s or rad/s].
-#define FASTEST REAL(1e4)
-// Longer than any leg [m or rad].
-#define HOLD_FOR_EVER REAL(1e6)
+// Longer than any leg, as a multiple of it.
+#define HOLD_FOR_EVER REAL(100)
 // A thruster whose drag costs less than this fraction of the cruise idles there for all that matters: a coast on it is no
 // different from the cruise.
 #define NEXT_TO_NOTHING REAL(1e-6)
+// A thrust below this fraction of the limit is none.
+#define NO_THRUST real_max(REAL(1e-11), 16 * REAL_NOISE)
 
 real_t ssv_piece_speed(const ssv_piece_t* piece, real_t t_s) {
     if (piece->v_start == piece->v_end) return piece->v_start;
-    const real_t v = ssv_law_speed(piece->law, piece->v_start, t_s);
+    // From the end that is farther from a terminal speed: time there says little of the speed, the other way round it is exact.
+    const real_t Q_start = real_abs(ssv_quadratic_at(piece->law, piece->v_start));
+    const real_t Q_end = real_abs(ssv_quadratic_at(piece->law, piece->v_end));
+    const real_t v = Q_start >= Q_end ? ssv_law_speed(piece->law, piece->v_start, t_s)
+                                      : ssv_law_speed(piece->law, piece->v_end, t_s - piece->duration_s);
     return real_max(real_min(piece->v_start, piece->v_end), real_min(real_max(piece->v_start, piece->v_end), v));
 }
 
@@ -49,489 +49,171 @@ void ssv_piece_thrust(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, in
     c[2] = real_mul(A, piece->law[2]) + thrusts->quadratic[i];
 }
 
-// ---- Which law holds at which speed -------------------------------------------------------------------------------------
+// ---- Where the ramps meet -----------------------------------------------------------------------------------------------
 
-typedef enum { SPEED_UP, BRAKE, COAST, THRIFTY_UP, THRIFTY_SLOW } policy_t;
-
+// A leg in its own units, and what is decided of it: the two ramps, and how far the body cruises between them.
 typedef struct {
-    real_t c[3];
-    real_t noise; // differences from another law below the sum of both noises are rounding
-} law_t;
-
-// Laws that a leg's thrusters can be bound to: up[i] and brake[i] put thruster i at its limit, idle[i] gives it no thrust.
-typedef struct {
-    const ssv_thrusts_t* thrusts;
-    real_t top;   // speeds go up to here
-    real_t total; // sum of |accel|
-    real_t weight_time, weight_impulse, lambda; // of the thrifty policies; lambda is the marginal cost of distance
-    bool acts[N];     // false also for a thruster whose laws are those of an earlier one
-    bool coasts[N];   // whether a coast on thruster i differs from a cruise, up to the top
-    real_t weight[N]; // |accel| of all thrusters with these laws
-    law_t up[N], brake[N], idle[N];
-} laws_t;
-
-static bool same(real_t a, real_t b) { return real_abs(a - b) <= real_mul(SAME_THRUSTER, real_abs(a) + real_abs(b)); }
-
-static bool laws_init(const ssv_thrusts_t* thrusts, laws_t* laws) {
-    real_t largest = REAL(0);
-    for (int i = 0; i < N; i++) largest = real_max(largest, real_abs(thrusts->accel[i]));
-    laws->thrusts = thrusts;
-    laws->top = laws->total = REAL(0); // only values are compared until laws_up_to
-    for (int i = 0; i < N; i++) {
-        const real_t A = thrusts->accel[i];
-        laws->acts[i] = real_abs(A) > real_mul(SAME_LAW, largest);
-        if (!laws->acts[i]) continue;
-        const real_t limit = real_div(thrusts->force_max_N, real_abs(A));
-        laws->total += real_abs(A);
-        const real_t c1 = -real_div(thrusts->linear[i], A), c2 = -real_div(thrusts->quadratic[i], A);
-        laws->idle[i] = (law_t){{REAL(0), c1, c2}, REAL(0)};
-        laws->up[i] = (law_t){{limit, c1, c2}, REAL(0)};
-        laws->brake[i] = (law_t){{-limit, c1, c2}, REAL(0)};
-        laws->weight[i] = real_abs(A);
-        for (int j = 0; j < i && laws->acts[i]; j++) {
-            const real_t* c = laws->up[j].c;
-            if (!laws->acts[j] || !same(c[0], limit) || !same(c[1], c1) || !same(c[2], c2)) continue;
-            laws->acts[i] = false;
-            laws->weight[j] += real_abs(A);
-        }
-    }
-    return largest > REAL(0);
-}
-
-// Sets the speed that the laws are looked at up to.
-static void laws_up_to(laws_t* laws, real_t top) {
-    laws->top = top;
-    for (int i = 0; i < N; i++) {
-        if (!laws->acts[i]) continue;
-        law_t* const law[3] = {&laws->up[i], &laws->brake[i], &laws->idle[i]};
-        for (int k = 0; k < 3; k++) law[k]->noise = real_mul(SAME_LAW, ssv_quadratic_size(law[k]->c, top));
-    }
-}
-
-// Sign of a - b just beyond speed v: by value, then slope, then curvature, each only if it is more than rounding. Laws of
-// thrusters that mirror each other often agree at v and part later.
-static int compare(const laws_t* laws, const law_t* a, const law_t* b, real_t v) {
-    const real_t noise = a->noise + b->noise;
-    const real_t d[3] = {a->c[0] - b->c[0], a->c[1] - b->c[1], a->c[2] - b->c[2]};
-    real_t first = ssv_quadratic_at(d, v);
-    if (real_abs(first) <= noise) {
-        first = real_mul(laws->top, d[1] + real_mul(REAL(2), real_mul(d[2], v)));
-        if (real_abs(first) <= noise) first = real_mul(d[2], real_sq(laws->top));
-        if (real_abs(first) <= noise) return 0;
-    }
-    return first > REAL(0) ? 1 : -1;
-}
-
-// The tightest limit just beyond speed v.
-static const law_t* limit_at(const laws_t* laws, bool up, real_t v) {
-    const law_t* best = NULL;
-    for (int i = 0; i < N; i++) {
-        if (!laws->acts[i]) continue;
-        const law_t* law = up ? &laws->up[i] : &laws->brake[i];
-        if (best == NULL || (up ? compare(laws, law, best, v) < 0 : compare(laws, law, best, v) > 0)) best = law;
-    }
-    return best;
-}
-
-// Total height of the kinks at or below a law just beyond speed v.
-static real_t kinks_below(const laws_t* laws, const law_t* law, real_t v) {
-    real_t sum = REAL(0);
-    for (int i = 0; i < N; i++) {
-        if (laws->acts[i] && compare(laws, &laws->idle[i], law, v) <= 0) sum += laws->weight[i];
-    }
-    return sum;
-}
-
-// Least sum of |u_i|: that sum is convex and piecewise linear in a with a kink of height |accel_i| where u_i = 0, so the
-// minimum is the weighted median of the kinks. Of equal ones the stronger braking is taken.
-static const law_t* coast_at(const laws_t* laws, real_t v) {
-    const real_t half = real_mul(REAL(0.5) - SAME_LAW, laws->total);
-    const law_t* best = limit_at(laws, false, v);
-    if (kinks_below(laws, best, v) >= half) return best;
-    best = NULL;
-    for (int i = 0; i < N; i++) {
-        if (!laws->acts[i] || kinks_below(laws, &laws->idle[i], v) < half) continue;
-        if (best == NULL || compare(laws, &laws->idle[i], best, v) < 0) best = &laws->idle[i];
-    }
-    return best;
-}
-
-// Thrust of thruster i at speed v and acceleration a.
-static real_t thrust(const ssv_thrusts_t* t, int i, real_t v, real_t a) {
-    return real_mul(t->accel[i], a) + real_mul(v, t->linear[i] + real_mul(v, t->quadratic[i]));
-}
-
-// L(v, a) = W1 + W2 sum |u_i|, cost per second.
-static real_t cost_rate(const laws_t* laws, real_t v, real_t a) {
-    real_t sum = REAL(0);
-    for (int i = 0; i < N; i++) sum += real_abs(thrust(laws->thrusts, i, v, a));
-    return laws->weight_time + real_mul(laws->weight_impulse, sum);
-}
-
-// The law with the least (L(v, a) - lambda v) / |a|, which the optimality conditions ask for: that is convex over linear in a,
-// so a limit or a kink where some thruster idles.
-static const law_t* thrifty_at(const laws_t* laws, bool up, real_t v) {
-    const law_t* limit = limit_at(laws, up, v);
-    const law_t* best = limit;
-    const real_t at = real_min(v + real_mul(PROBE, laws->top), laws->top), distance_value = real_mul(laws->lambda, at);
-    const real_t limit_a = ssv_quadratic_at(limit->c, at);
-    real_t best_cost = cost_rate(laws, at, limit_a) - distance_value, best_a = real_abs(limit_a);
-    for (int i = 0; i < N; i++) {
-        if (!laws->coasts[i]) continue;
-        const real_t a = ssv_quadratic_at(laws->idle[i].c, at);
-        if (up ? a <= REAL(0) || a >= limit_a : a >= REAL(0) || a <= limit_a) continue;
-        const real_t cost = cost_rate(laws, at, a) - distance_value;
-        if (real_mul(cost, best_a) >= real_mul(best_cost, real_abs(a))) continue;
-        best = &laws->idle[i];
-        best_cost = cost;
-        best_a = real_abs(a);
-    }
-    return best;
-}
-
-static const law_t* law_at(const laws_t* laws, policy_t policy, real_t v) {
-    switch (policy) {
-        case COAST: return coast_at(laws, v);
-        case THRIFTY_UP: return thrifty_at(laws, true, v);
-        case THRIFTY_SLOW: return thrifty_at(laws, false, v);
-        case SPEED_UP: return limit_at(laws, true, v);
-        case BRAKE: break;
-    }
-    return limit_at(laws, false, v);
-}
-
-// Along its law a thrifty policy changes where a line of L - lambda v, drawn on from the kink towards a = 0, meets zero
-// there: then the next kink on that side is as good. With the signs of all thrusts held that line is quadratic in v.
-static real_t next_balance(const laws_t* laws, bool up, const law_t* law, real_t from, real_t to) {
-    const ssv_thrusts_t* t = laws->thrusts;
-    // No thruster's sign changes in between; at the ends, where laws cross, several may idle at once.
-    const real_t mid = real_mul(REAL(0.5), from + to), a = ssv_quadratic_at(law->c, mid);
-    real_t next = to;
-    for (int side = -1; side <= 1; side += 2) {
-        real_t line[3] = {laws->weight_time, -laws->lambda, REAL(0)};
-        for (int i = 0; i < N; i++) {
-            const real_t u = thrust(t, i, mid, a);
-            // A thruster that idles along the law has one sign for less acceleration, the other for more.
-            const real_t push = real_abs(real_mul(t->accel[i], a)); // what drag must cancel
-            const bool idles = real_abs(u) <= real_mul(REAL(1e-9), push) &&
-                               real_abs(t->accel[i]) > real_mul(SAME_LAW, laws->total);
-            const bool positive = idles ? (t->accel[i] > REAL(0)) == ((side > 0) == up) : u > REAL(0);
-            const real_t weight = positive ? laws->weight_impulse : -laws->weight_impulse;
-            line[1] += real_mul(weight, t->linear[i]);
-            line[2] += real_mul(weight, t->quadratic[i]);
-        }
-        next = ssv_quadratic_root_after(line, from, next);
-    }
-    return next;
-}
-
-// First speed in (from, to) at which another law may take over from this one.
-static real_t next_crossing(const laws_t* laws, policy_t policy, const law_t* law, real_t from, real_t to) {
-    const bool up = policy == SPEED_UP || policy == THRIFTY_UP, has_kinks = policy != SPEED_UP && policy != BRAKE;
-    real_t next = to;
-    for (int i = 0; i < N; i++) {
-        if (!laws->acts[i]) { // its thrust holds drag alone, and changes sign with it
-            const real_t drag[3] = {REAL(0), laws->thrusts->linear[i], laws->thrusts->quadratic[i]};
-            if (has_kinks) next = ssv_quadratic_root_after(drag, from, next);
-            continue;
-        }
-        const law_t* const rival[2] = {up ? &laws->up[i] : &laws->brake[i], &laws->idle[i]};
-        for (int k = 0; k < (has_kinks && (policy == COAST || laws->coasts[i]) ? 2 : 1); k++) {
-            const real_t diff[3] = {rival[k]->c[0] - law->c[0], rival[k]->c[1] - law->c[1], rival[k]->c[2] - law->c[2]};
-            if (ssv_quadratic_size(diff, to) <= law->noise) continue;
-            next = ssv_quadratic_root_after(diff, from, next);
-        }
-    }
-    return has_kinks && policy != COAST ? next_balance(laws, up, law, from, next) : next;
-}
-
-// ---- Ramps: speed as a chain of laws, and the distance it takes ---------------------------------------------------------
-
-// From rest to knot speeds: law[k] holds between v[k] and v[k + 1]; reach[k] is the distance from rest to v[k] (or back).
-typedef struct {
-    int num;
-    real_t v[MAX_KNOTS + 1], reach[MAX_KNOTS + 1];
-    const law_t* law[MAX_KNOTS];
-} ramp_table_t;
-
-// Extends the ramp to speed top under one policy.
-static bool ramp_extend(const laws_t* laws, policy_t policy, real_t top, ramp_table_t* ramp) {
-    const real_t probe = real_mul(PROBE, laws->top);
-    real_t v = ramp->v[ramp->num];
-    for (int n = 0; n < MAX_KNOTS && v < top; n++) {
-        const law_t* law = law_at(laws, policy, v);
-        const real_t next = next_crossing(laws, policy, law, v + probe, top);
-        if (ramp->num > 0 && ramp->law[ramp->num - 1] == law) {
-            ramp->num--;
-        } else if (ramp->num == MAX_KNOTS) {
-            return false;
-        }
-        const int k = ramp->num++;
-        ramp->law[k] = law;
-        ramp->v[k + 1] = next;
-        v = next;
-    }
-    return v >= top;
-}
-
-static void ramp_measure(ramp_table_t* ramp) {
-    ramp->reach[0] = REAL(0);
-    for (int k = 0; k < ramp->num; k++) {
-        ramp->reach[k + 1] = ramp->reach[k] + real_abs(ssv_law_integrals(ramp->law[k]->c, ramp->v[k], ramp->v[k + 1]).distance);
-    }
-}
-
-// Distance from rest to v, and the acceleration there.
-static real_t ramp_reach(const ramp_table_t* ramp, real_t v, real_t* acceleration) {
-    int k = 0;
-    while (k + 1 < ramp->num && ramp->v[k + 1] < v) k++;
-    *acceleration = ssv_quadratic_at(ramp->law[k]->c, v);
-    return ramp->reach[k] + real_abs(ssv_law_integrals(ramp->law[k]->c, ramp->v[k], v).distance);
-}
-
-// Largest speed that every thruster can hold: |linear v + quadratic v^2| <= force_max. Infinite without drag; then what the
-// distance allows.
-static real_t top_speed(const laws_t* laws, real_t distance) {
-    const ssv_thrusts_t* t = laws->thrusts;
-    const law_t* start = limit_at(laws, true, REAL(0));
-    bool bounded = false;
-    real_t top = REAL(0);
-    for (int i = 0; i < N; i++) {
-        for (int sign = -1; sign <= 1; sign += 2) {
-            const real_t c[3] = {real_mul(real_from_int(sign), t->force_max_N), t->linear[i], t->quadratic[i]};
-            real_t root[2];
-            if ((c[1] == REAL(0) && c[2] == REAL(0)) || !ssv_quadratic_roots(c, FASTEST, root)) continue;
-            for (int k = 0; k < 2; k++) {
-                if (root[k] > REAL(0) && (!bounded || root[k] < top)) {
-                    top = root[k];
-                    bounded = true;
-                }
-            }
-        }
-    }
-    const real_t free_top = real_sqrt(real_mul(REAL(2), real_mul(start->c[0], distance)));
-    if (!bounded) return free_top;
-    return top - real_mul(TERMINAL_MARGIN, top);
-}
-
-// Where the least thrust stops slowing the body, no drag-only ramp starts: end the ramp below.
-static void keep_slowing(ramp_table_t* ramp) {
-    for (int k = 0; k < ramp->num; k++) {
-        const bool slows = ssv_quadratic_at(ramp->law[k]->c, ramp->v[k]) < REAL(0) &&
-                           ssv_quadratic_at(ramp->law[k]->c, ramp->v[k + 1]) < REAL(0) &&
-                           ssv_quadratic_root_after(ramp->law[k]->c, ramp->v[k], ramp->v[k + 1]) >= ramp->v[k + 1];
-        if (!slows) ramp->num = k;
-    }
-}
-
-// ---- The profile --------------------------------------------------------------------------------------------------------
-
-static real_t impulse(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece) {
-    real_t c[N][3], cut[2 * N + 2];
-    const real_t low = real_min(piece->v_start, piece->v_end), high = real_max(piece->v_start, piece->v_end);
-    int num = 0;
-    cut[num++] = low;
-    for (int i = 0; i < N; i++) {
-        ssv_piece_thrust(thrusts, piece, i, c[i]);
-        real_t root[2];
-        if (low == high || ssv_quadratic_size(c[i], high) <= real_mul(SAME_LAW, thrusts->force_max_N)) continue;
-        if (!ssv_quadratic_roots(c[i], real_mul(REAL(2), high), root)) continue;
-        for (int k = 0; k < 2; k++) {
-            if (root[k] > low && root[k] < high) cut[num++] = root[k];
-        }
-    }
-    for (int i = 1; i < num; i++) {
-        for (int k = i; k > 1 && cut[k] < cut[k - 1]; k--) {
-            const real_t swap = cut[k];
-            cut[k] = cut[k - 1];
-            cut[k - 1] = swap;
-        }
-    }
-    cut[num] = high;
-    real_t sum = REAL(0);
-    for (int k = 0; k < num; k++) {
-        const ssv_moments_t m = low == high ? ssv_law_moments(piece->law, low, high, piece->duration_s)
-                                            : ssv_law_integrals(piece->law, cut[k], cut[k + 1]);
-        for (int i = 0; i < N; i++) {
-            sum += real_abs(real_mul(c[i][0], m.time) + real_mul(c[i][1], m.distance) + real_mul(c[i][2], m.speed2));
-        }
-    }
-    return sum;
-}
-
-static bool append(ssv_profile_t* profile, const ssv_thrusts_t* thrusts, const real_t law[3], real_t v_start, real_t v_end,
-                   real_t hold_s) {
-    if (profile->num_pieces == SSV_MAX_PROFILE_PIECES) return false;
-    const ssv_moments_t m = v_start == v_end ? ssv_law_moments(law, v_start, v_end, hold_s) : ssv_law_integrals(law, v_start, v_end);
-    const ssv_piece_t* before = &profile->piece[profile->num_pieces];
-    real_t s = REAL(0);
-    if (profile->num_pieces > 0) {
-        before--;
-        s = before->s + ssv_law_moments(before->law, before->v_start, before->v_end, before->duration_s).distance;
-    }
-    ssv_piece_t* piece = &profile->piece[profile->num_pieces++];
-    *piece = (ssv_piece_t){profile->duration_s, m.time, s, v_start, v_end, {law[0], law[1], law[2]}};
-    profile->duration_s += m.time;
-    profile->impulse_Ns += impulse(thrusts, piece);
-    return true;
-}
-
-// Speed at which speeding up must turn into slowing so that both take the distance, to within PEAK_TOLERANCE of it: safeguarded
-// Newton, from where it would be without drag; the sum of the reaches is increasing in v.
-static real_t peak_speed(const ramp_table_t* up, const ramp_table_t* slow, real_t distance, real_t top) {
-    real_t low = REAL(0), high = top, a_up, a_slow;
-    (void)ramp_reach(up, REAL(0), &a_up);
-    (void)ramp_reach(slow, REAL(0), &a_slow);
-    real_t v = REAL(0);
-    for (int n = 0; n < MAX_NEWTON; n++) {
-        const real_t excess = n == 0 ? -distance : ramp_reach(up, v, &a_up) + ramp_reach(slow, v, &a_slow) - distance;
-        const real_t pace = real_div(REAL(1), real_abs(a_up)) + real_div(REAL(1), real_abs(a_slow));
-        if (real_abs(excess) <= real_mul(PEAK_TOLERANCE, distance)) return v;
-        *(excess > REAL(0) ? &high : &low) = v;
-        const real_t newton = n == 0 ? real_sqrt(real_div(real_mul(REAL(2), distance), pace)) : v - real_div(excess, real_mul(v, pace));
-        v = newton > low && newton < high ? newton : real_mul(REAL(0.5), low + high);
-    }
-    return low;
-}
-
-// What a rule decides: the two ramps, where they meet, and how far the body cruises there.
-typedef struct {
-    ramp_table_t up, slow;
+    ssv_units_t unit;
+    ssv_thrusts_t thrusts;
+    ssv_steering_t steering;
+    real_t distance, cutoff, top;
+    ssv_stretch_t stretch[MAX_STRETCHES];
+    ssv_ramp_table_t up, slow;
     real_t peak, cruise;
-} motion_t;
+} leg_t;
 
-static void ramp_start(ramp_table_t* ramp) {
-    ramp->num = 0;
-    ramp->v[0] = REAL(0);
+static void restart(ssv_ramp_table_t* ramp) { ramp->num = 0; }
+
+// Largest speed that every thruster can hold; without drag, the one at the end of the leg under full thrust.
+static real_t top_speed(const leg_t* leg) {
+    const ssv_laws_t* laws = &leg->steering.laws;
+    const real_t terminal = ssv_terminal_speed(&leg->thrusts, FASTEST);
+    if (terminal < FASTEST) return terminal - real_mul(TERMINAL_MARGIN, terminal);
+    real_t limit = laws->limit[0];
+    for (int k = 1; k < laws->num; k++) limit = real_min(limit, laws->limit[k]);
+    return real_sqrt(real_mul(REAL(2), real_mul(limit, leg->distance)));
 }
 
-static ssv_outcome_t solve_paper(laws_t* laws, const ssv_rule_t* rule, real_t distance, real_t top, motion_t* m) {
-    const real_t reverse_from = rule->ramp == SSV_DRAG_ONLY ? real_min(rule->cutoff, top) : top;
-    laws_up_to(laws, top);
-    ramp_start(&m->up);
-    ramp_start(&m->slow);
-    if (!ramp_extend(laws, BRAKE, reverse_from, &m->slow) || !ramp_extend(laws, COAST, top, &m->slow) ||
-        !ramp_extend(laws, SPEED_UP, top, &m->up)) {
-        return SSV_TOO_MANY_PIECES;
-    }
-    keep_slowing(&m->slow);
-    if (m->slow.v[m->slow.num] < top && m->slow.v[m->slow.num] <= reverse_from) return SSV_NO_AUTHORITY;
-    m->peak = real_min(top, m->slow.v[m->slow.num]);
-    ramp_measure(&m->up);
-    ramp_measure(&m->slow);
-    real_t a;
-    m->cruise = distance - ramp_reach(&m->up, m->peak, &a) - ramp_reach(&m->slow, m->peak, &a);
-    if (m->cruise < REAL(0)) {
-        m->peak = peak_speed(&m->up, &m->slow, distance, m->peak);
-        m->cruise = distance - ramp_reach(&m->up, m->peak, &a) - ramp_reach(&m->slow, m->peak, &a);
-        if (m->cruise < real_mul(PEAK_TOLERANCE, real_mul(REAL(2), distance))) m->cruise = REAL(0); // unless the reach leaps there
-    }
+static ssv_outcome_t begin(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule, real_t distance, leg_t* leg) {
+    const bool optimal = rule->ramp == SSV_OPTIMAL;
+    const real_t weight_impulse = optimal ? rule->weight_impulse_per_Ns : REAL(0);
+    const real_t weight_time = real_max(rule->weight_time_per_s, real_mul(SSV_TIME_PRICE_MIN_N, weight_impulse));
+    if (!ssv_thrusts_scale(thrusts, weight_time, weight_impulse, distance, &leg->unit, &leg->thrusts)) return SSV_NO_AUTHORITY;
+    if (!ssv_laws_of(&leg->thrusts, &leg->steering.laws)) return SSV_NO_AUTHORITY;
+    leg->distance = real_scale(distance, -leg->unit.length);
+    leg->cutoff = real_scale(rule->cutoff, -leg->unit.speed);
+    leg->steering.weight_time = weight_time;
+    leg->steering.weight_impulse = real_scale(weight_impulse, leg->unit.force);
+    leg->top = top_speed(leg);
+    if (rule->speed_max > REAL(0)) leg->top = real_min(leg->top, real_scale(rule->speed_max, -leg->unit.speed));
+    leg->up = (ssv_ramp_table_t){.first = &leg->stretch[0], .step = 1};
+    leg->slow = (ssv_ramp_table_t){.first = &leg->stretch[MAX_STRETCHES - 1], .step = -1};
     return SSV_FEASIBLE;
 }
 
-// Cheapest speed to hold: the least of the convex L(v, 0) / v. Between the speeds where some thruster changes sign that is
-// W1 / v + const + W2 g v, so a stationary point, one of those speeds, or top.
-static real_t cruise_speed(const laws_t* laws, real_t top) {
-    const ssv_thrusts_t* t = laws->thrusts;
-    real_t best = top, best_cost = real_div(cost_rate(laws, top, REAL(0)), top);
-    for (int i = -1; i < N; i++) {
-        // The interval above sign change i (-1: from rest).
-        real_t low = REAL(0), high = top, slope = REAL(0);
-        if (i >= 0) {
-            if (t->quadratic[i] == REAL(0)) continue;
-            low = -real_div(t->linear[i], t->quadratic[i]);
-            if (!(low > REAL(0) && low < top)) continue;
-        }
-        for (int j = 0; j < N; j++) {
-            const real_t change = t->quadratic[j] == REAL(0) ? REAL(0) : -real_div(t->linear[j], t->quadratic[j]);
-            if (change > low && change < high) high = change;
-        }
-        const real_t mid = real_mul(REAL(0.5), low + high);
-        for (int j = 0; j < N; j++) {
-            const bool positive = t->linear[j] + real_mul(mid, t->quadratic[j]) > REAL(0);
-            slope += positive ? t->quadratic[j] : -t->quadratic[j];
-        }
-        slope = real_mul(laws->weight_impulse, slope);
-        real_t v = high;
-        if (slope > REAL(0)) v = real_max(low, real_min(high, real_sqrt(real_div(laws->weight_time, slope))));
-        if (!(v > REAL(0))) continue;
-        const real_t cost = real_div(cost_rate(laws, v, REAL(0)), v);
-        if (cost >= best_cost) continue;
-        best = v - real_mul(TERMINAL_MARGIN, v); // a coast towards the speed at which a drag turns never gets there
-        best_cost = cost;
+static bool extend(leg_t* leg, ssv_policy_t policy, real_t top, ssv_ramp_table_t* ramp) {
+    const int taken = ramp == &leg->up ? leg->slow.num : leg->up.num;
+    return ssv_ramp_extend(&leg->steering, policy, top, MAX_STRETCHES - taken, ramp);
+}
+
+// What is left to cruise when both ramps go up to a peak.
+static real_t cruise_at(leg_t* leg, real_t peak, real_t a[2]) {
+    const ssv_laws_t* laws = &leg->steering.laws;
+    return leg->distance - ssv_ramp_reach(laws, &leg->up, peak, &a[0]) - ssv_ramp_reach(laws, &leg->slow, peak, &a[1]);
+}
+
+// Peak at which both ramps take the distance, to within PEAK_TOLERANCE of it: safeguarded Newton, from where it would be without
+// drag; the sum of the reaches is increasing in v.
+static void meet(leg_t* leg, real_t top) {
+    real_t low = REAL(0), high = top, v = REAL(0), a[2];
+    leg->cruise = cruise_at(leg, v, a);
+    for (int n = 0; n < MAX_NEWTON; n++) {
+        // 1 / (1 / a[0] + 1 / a[1]), the acceleration of both ramps together
+        const real_t both = real_mul(a[0], real_div(a[1], a[0] + a[1]));
+        const real_t newton = n == 0 ? real_sqrt(real_mul(REAL(2), real_mul(leg->distance, both)))
+                                     : v + real_mul(leg->cruise, real_div(both, v));
+        v = newton > low && newton < high ? newton : real_mul(REAL(0.5), low + high);
+        leg->cruise = cruise_at(leg, v, a);
+        if (real_abs(leg->cruise) <= real_mul(PEAK_TOLERANCE, leg->distance)) break;
+        *(leg->cruise < REAL(0) ? &high : &low) = v;
     }
-    return best;
+    leg->peak = v;
+    // The tolerance was not met only where the reach leaps: then the lower side, and the rest is cruised.
+    if (leg->cruise < -real_mul(PEAK_TOLERANCE, leg->distance)) leg->cruise = cruise_at(leg, leg->peak = low, a);
+}
+
+// With one of the paper's ramps. The ramp up serves both.
+static ssv_outcome_t solve_paper(leg_t* leg, ssv_ramp_t ramp) {
+    const ssv_laws_t* laws = &leg->steering.laws;
+    const real_t top = leg->top, reverse_from = ramp == SSV_DRAG_ONLY ? real_min(leg->cutoff, top) : top;
+    ssv_steering_up_to(&leg->steering, top);
+    restart(&leg->up);
+    restart(&leg->slow);
+    if (!extend(leg, SSV_SPEED_UP, top, &leg->up) || !extend(leg, SSV_BRAKE, reverse_from, &leg->slow) ||
+        !extend(leg, SSV_COAST, top, &leg->slow)) {
+        return SSV_TOO_MANY_PIECES;
+    }
+    ssv_ramp_keep_slowing(laws, &leg->slow);
+    const real_t highest = ssv_ramp_top(&leg->slow);
+    if (highest < top && highest <= reverse_from) return SSV_NO_AUTHORITY;
+    ssv_ramp_measure(laws, &leg->up);
+    ssv_ramp_measure(laws, &leg->slow);
+    real_t a[2];
+    leg->peak = highest;
+    leg->cruise = cruise_at(leg, highest, a);
+    if (leg->cruise < REAL(0)) meet(leg, highest);
+    return SSV_FEASIBLE;
 }
 
 // Whether drag only ever resists: then nothing but full thrust speeds up best.
-static bool always_resists(const laws_t* laws) {
-    for (int i = 0; i < N; i++) {
-        if (laws->acts[i] && (laws->idle[i].c[1] > REAL(0) || laws->idle[i].c[2] > REAL(0))) return false;
+static bool always_resists(const ssv_laws_t* laws) {
+    for (int k = 0; k < laws->num; k++) {
+        if (laws->linear[k] > REAL(0) || laws->quadratic[k] > REAL(0)) return false;
     }
     return true;
 }
 
 // Both ramps from rest to the peak, with the marginal cost of distance that makes this peak the right one; the distance left
 // between them is cruised. A ramp of full thrust ahead, which no marginal cost changes, is kept once it is there.
-static bool thrifty_ramps(laws_t* laws, real_t peak, real_t distance, motion_t* m) {
-    const bool resists = always_resists(laws);
-    real_t a;
-    laws_up_to(laws, peak);
-    m->peak = peak;
-    const real_t rate = cost_rate(laws, peak, REAL(0));
-    laws->lambda = real_div(rate, peak);
-    for (int i = 0; i < N; i++) {
-        const real_t drag[3] = {REAL(0), laws->thrusts->linear[i], laws->thrusts->quadratic[i]};
-        const real_t cost = real_mul(laws->weight_impulse, ssv_quadratic_size(drag, peak));
-        laws->coasts[i] = laws->acts[i] && cost > real_mul(NEXT_TO_NOTHING, rate);
+static bool thrifty_ramps(leg_t* leg, real_t peak) {
+    ssv_steering_t* s = &leg->steering;
+    const bool resists = always_resists(&s->laws);
+    const real_t rate = s->weight_time + real_mul(s->weight_impulse, ssv_holding_thrust(&leg->thrusts, peak));
+    real_t a[2];
+    ssv_steering_up_to(s, peak);
+    leg->peak = peak;
+    s->lambda = real_div(rate, peak);
+    for (int k = 0; k < s->laws.num; k++) {
+        const real_t cost = real_mul(s->weight_impulse, real_mul(s->laws.weight[k], s->size[k]));
+        s->coasts[k] = cost > real_mul(NEXT_TO_NOTHING, rate);
     }
-    if (m->up.num == 0 || m->up.v[m->up.num] < peak || !resists) {
-        ramp_start(&m->up);
-        if (!ramp_extend(laws, resists ? SPEED_UP : THRIFTY_UP, peak, &m->up)) return false;
-        ramp_measure(&m->up);
+    restart(&leg->slow);
+    if (ssv_ramp_top(&leg->up) < peak || !resists) {
+        restart(&leg->up);
+        if (!extend(leg, resists ? SSV_SPEED_UP : SSV_THRIFTY_UP, peak, &leg->up)) return false;
+        ssv_ramp_measure(&s->laws, &leg->up);
     }
-    ramp_start(&m->slow);
-    if (!ramp_extend(laws, THRIFTY_SLOW, peak, &m->slow)) return false;
-    ramp_measure(&m->slow);
-    m->cruise = distance - ramp_reach(&m->up, peak, &a) - m->slow.reach[m->slow.num];
+    if (!extend(leg, SSV_THRIFTY_SLOW, peak, &leg->slow)) return false;
+    ssv_ramp_measure(&s->laws, &leg->slow);
+    leg->cruise = cruise_at(leg, peak, a);
     return true;
 }
 
 // How far to cruise at this peak before a higher one is worth its ramps. Where some thruster feels no drag it idles in the
 // cruise, and dJ / d peak = 2 W2 sum |accel| of those + cruise time * d L(v, 0) / dv - cruise time * lambda.
-static real_t worth_holding(const laws_t* laws, real_t peak) {
-    const ssv_thrusts_t* t = laws->thrusts;
+static real_t worth_holding(const leg_t* leg, real_t peak) {
+    const ssv_steering_t* s = &leg->steering;
+    const ssv_thrusts_t* t = &leg->thrusts;
+    const real_t most = real_mul(HOLD_FOR_EVER, leg->distance);
     real_t kink = REAL(0), slope = REAL(0);
+    for (int k = 0; k < s->laws.num; k++) kink += s->coasts[k] ? REAL(0) : s->laws.weight[k];
+    if (kink == REAL(0)) return REAL(0);
     for (int i = 0; i < N; i++) {
         const real_t grows = t->linear[i] + real_mul(REAL(2), real_mul(peak, t->quadratic[i]));
-        slope += thrust(t, i, peak, REAL(0)) > REAL(0) ? grows : -grows;
-        if (laws->acts[i] && !laws->coasts[i]) kink += laws->weight[i];
+        slope += t->linear[i] + real_mul(peak, t->quadratic[i]) > REAL(0) ? grows : -grows;
     }
-    const real_t gain = laws->lambda - real_mul(laws->weight_impulse, slope);
-    if (kink == REAL(0)) return REAL(0);
-    if (gain <= REAL(0)) return HOLD_FOR_EVER;
-    return real_mul(peak, real_div(real_mul(REAL(2), real_mul(laws->weight_impulse, kink)), gain));
+    const real_t gain = s->lambda - real_mul(s->weight_impulse, slope);
+    const real_t cost = real_mul(peak, real_mul(REAL(2), real_mul(s->weight_impulse, kink)));
+    return cost >= real_mul(gain, most) ? most : real_div(cost, gain);
 }
 
 // A long leg cruises at the cheapest speed. A short one has the peak whose ramps just cover the distance: from an estimate,
 // regula falsi on the root of the covered fraction, which is nearly linear in the peak, aimed a hair short; the hair is cruised.
-static ssv_outcome_t solve_optimal(laws_t* laws, const ssv_rule_t* rule, real_t distance, real_t top, motion_t* m) {
-    laws->weight_impulse = rule->weight_impulse_per_Ns;
-    laws->weight_time = real_max(rule->weight_time_per_s, real_mul(SSV_TIME_PRICE_MIN_N, rule->weight_impulse_per_Ns));
-    const real_t cruise = cruise_speed(laws, top);
-    real_t low = REAL(0), low_miss = -REAL(1), high = cruise, high_miss = REAL(0), peak = cruise, price;
+static ssv_outcome_t solve_optimal(leg_t* leg) {
+    const ssv_steering_t* s = &leg->steering;
+    real_t cruise = ssv_cruise_speed(&leg->thrusts, s->weight_time, s->weight_impulse, leg->top), price, peak = cruise;
+    if (cruise < leg->top) cruise -= real_mul(TERMINAL_MARGIN, cruise); // a coast to where a drag turns never gets there
+    real_t low = REAL(0), low_miss = -REAL(1), high = cruise, high_miss = REAL(0);
     bool was_above = true, bracketed = false;
-    if (ssv_profile_estimate(laws->thrusts, rule->weight_time_per_s, rule->weight_impulse_per_Ns, distance, &price, &peak)) {
-        if (peak > real_mul(NEARLY, cruise)) peak = cruise;
-    }
-    ramp_start(&m->up);
+    (void)ssv_profile_estimate(&leg->thrusts, s->weight_time, s->weight_impulse, leg->distance, &price, &peak);
+    if (peak > real_mul(NEARLY, cruise)) peak = cruise;
     for (int n = 0; n < MAX_FALSI; n++) {
-        if (!thrifty_ramps(laws, peak, distance, m)) return SSV_TOO_MANY_PIECES;
-        const real_t hold = real_min(worth_holding(laws, peak), real_mul(REAL(100), distance));
-        const real_t covered = real_sqrt(real_div(distance - m->cruise + hold, distance));
+        if (!thrifty_ramps(leg, peak)) return SSV_TOO_MANY_PIECES;
+        const real_t hold = worth_holding(leg, peak);
+        const real_t covered = real_sqrt(real_div(leg->distance - leg->cruise + hold, leg->distance));
         const real_t miss = covered - REAL(1) + SHORT_BY;
-        const bool meets = peak == cruise ? m->cruise >= hold : real_abs(miss) <= SHORT_BY;
-        if (m->cruise >= REAL(0) && meets) return SSV_FEASIBLE;
+        const bool meets = peak == cruise ? leg->cruise >= hold : real_abs(miss) <= SHORT_BY;
+        if (leg->cruise >= REAL(0) && meets) return SSV_FEASIBLE;
         // Illinois: an end that stays twice counts half.
         const bool above = miss > REAL(0);
         if (bracketed && above == was_above) *(above ? &low_miss : &high_miss) = real_mul(REAL(0.5), above ? low_miss : high_miss);
@@ -546,34 +228,143 @@ static ssv_outcome_t solve_optimal(laws_t* laws, const ssv_rule_t* rule, real_t 
             peak = low + real_mul(high - low, share);
         }
     }
-    return thrifty_ramps(laws, low, distance, m) ? SSV_FEASIBLE : SSV_TOO_MANY_PIECES;
+    return thrifty_ramps(leg, low) ? SSV_FEASIBLE : SSV_TOO_MANY_PIECES;
+}
+
+static ssv_outcome_t solve(leg_t* leg, ssv_ramp_t ramp) {
+    // Where only time counts, full thrust and full reverse are optimal.
+    const bool thrifty = ramp == SSV_OPTIMAL && leg->steering.weight_impulse > REAL(0);
+    const ssv_outcome_t outcome = thrifty ? solve_optimal(leg) : solve_paper(leg, ramp);
+    if (outcome != SSV_FEASIBLE) return outcome;
+    ssv_ramp_cut(&leg->up);
+    ssv_ramp_cut(&leg->slow);
+    if (leg->cruise < real_mul(real_mul(REAL(2), PEAK_TOLERANCE), leg->distance)) leg->cruise = REAL(0);
+    return SSV_FEASIBLE;
+}
+
+// ---- What it costs ------------------------------------------------------------------------------------------------------
+
+// Integral of |c[0] + c[1] v + c[2] v^2| over a stretch of a law.
+static real_t integral_of_size(const real_t law[3], const ssv_stretch_t* stretch, const real_t c[3], real_t nothing) {
+    const ssv_moments_t* m = &stretch->m;
+    const real_t whole = real_mul(c[0], m->time) + real_mul(c[1], m->distance) + real_mul(c[2], m->speed2);
+    real_t from = stretch->v_low, before = REAL(0), sum = REAL(0);
+    for (int k = 0; k < 2 && ssv_quadratic_size(c, stretch->v_high) > nothing; k++) { // at most two changes of sign
+        const real_t root = ssv_quadratic_root_after(c, from, stretch->v_high);
+        if (root >= stretch->v_high) break;
+        const ssv_moments_t below = ssv_ramp_integrals(law, stretch->v_low, root);
+        const real_t part = real_mul(c[0], below.time) + real_mul(c[1], below.distance) + real_mul(c[2], below.speed2);
+        sum += real_abs(part - before);
+        before = part;
+        from = root;
+    }
+    return sum + real_abs(whole - before);
+}
+
+static real_t impulse(const leg_t* leg, const real_t law[3], const ssv_stretch_t* stretch) {
+    const ssv_laws_t* laws = &leg->steering.laws;
+    const real_t nothing = real_mul(NO_THRUST, leg->thrusts.force_max_N);
+    real_t sum = REAL(0);
+    for (int k = 0; k < laws->num; k++) {
+        const real_t c[3] = {real_mul(laws->weight[k], law[0]), real_mul(laws->weight[k], law[1] - laws->linear[k]),
+                             real_mul(laws->weight[k], law[2] - laws->quadratic[k])};
+        sum += integral_of_size(law, stretch, c, nothing);
+    }
+    for (int k = 0; k < laws->num_passive; k++) {
+        const real_t c[3] = {REAL(0), laws->passive_linear[k], laws->passive_quadratic[k]};
+        sum += integral_of_size(law, stretch, c, nothing);
+    }
+    return sum;
+}
+
+// A piece in time: its law, stretch and impulse in the leg's units.
+typedef struct {
+    real_t law[3], impulse;
+    ssv_stretch_t stretch;
+    bool falls;
+} part_t;
+
+static int num_parts(const leg_t* leg) { return leg->up.num + (leg->cruise > REAL(0) ? 1 : 0) + leg->slow.num; }
+
+static part_t part_at(const leg_t* leg, int n) {
+    part_t part = {{REAL(0), REAL(0), REAL(0)}, REAL(0), {leg->peak, leg->peak, {REAL(0), REAL(0), REAL(0)}, 0}, false};
+    const int back = num_parts(leg) - 1 - n; // the slow ramp backwards
+    part.falls = back < leg->slow.num;
+    if (n >= leg->up.num && !part.falls) {
+        const real_t time = real_div(leg->cruise, leg->peak);
+        part.stretch.m = (ssv_moments_t){time, leg->cruise, real_mul(leg->cruise, leg->peak)};
+        part.impulse = real_mul(time, ssv_holding_thrust(&leg->thrusts, leg->peak));
+        return part;
+    }
+    part.stretch = part.falls ? *ssv_ramp_stretch(&leg->slow, back) : *ssv_ramp_stretch(&leg->up, n);
+    ssv_ramp_law(&leg->steering.laws, part.stretch.law, part.law);
+    part.impulse = impulse(leg, part.law, &part.stretch);
+    return part;
+}
+
+// Longest time in a leg's units, as a power of two, that SI units can hold.
+#define LONGEST_EXPONENT 24
+
+// Adds the part to the price, and as a piece to the profile unless that is NULL.
+static void append(const leg_t* leg, const part_t* part, ssv_profile_price_t* price, ssv_profile_t* profile) {
+    const ssv_units_t* unit = &leg->unit;
+    const real_t low = real_scale(part->stretch.v_low, unit->speed), high = real_scale(part->stretch.v_high, unit->speed);
+    const real_t duration_s = real_scale(part->stretch.m.time, unit->time);
+    if (profile != NULL) {
+        ssv_piece_t* piece = &profile->piece[profile->num_pieces];
+        const ssv_piece_t* before = piece - 1;
+        *piece = (ssv_piece_t){.t_s = price->duration_s,
+                               .duration_s = duration_s,
+                               .v_start = part->falls ? high : low,
+                               .v_end = part->falls ? low : high};
+        for (int n = 0; n < 3; n++) piece->law[n] = real_scale(part->law[n], unit->speed - unit->time - n * unit->speed);
+        if (profile->num_pieces > 0) {
+            const ssv_moments_t m = ssv_piece_moments(before, before->v_start, before->v_end, before->duration_s);
+            piece->s = before->s + m.distance;
+        }
+        profile->num_pieces++;
+    }
+    price->duration_s += duration_s;
+    price->impulse_Ns += real_scale(part->impulse, unit->time + unit->force);
+}
+
+static ssv_profile_price_t finish(leg_t* leg, ssv_outcome_t outcome, ssv_profile_t* profile) {
+    ssv_profile_price_t price = {outcome, REAL(0), REAL(0), REAL(0)};
+    if (outcome != SSV_FEASIBLE) return price;
+    price.peak_speed = real_scale(leg->peak, leg->unit.speed);
+    for (int n = 0; n < num_parts(leg); n++) {
+        const part_t part = part_at(leg, n);
+        price.outcome = real_exponent(part.stretch.m.time) + leg->unit.time > LONGEST_EXPONENT ? SSV_TOO_LONG : SSV_FEASIBLE;
+        if (price.outcome == SSV_FEASIBLE) append(leg, &part, &price, profile);
+        if (price.duration_s > SSV_DURATION_MAX_S) price.outcome = SSV_TOO_LONG;
+        if (price.outcome != SSV_FEASIBLE) break;
+    }
+    return price;
+}
+
+ssv_profile_price_t ssv_profile_price(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule, real_t distance) {
+    leg_t leg;
+    const ssv_outcome_t outcome = begin(thrusts, rule, distance, &leg);
+    return finish(&leg, outcome == SSV_FEASIBLE ? solve(&leg, rule->ramp) : outcome, NULL);
 }
 
 ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule, real_t distance, ssv_profile_t* profile) {
-    static const real_t steady[3] = {REAL(0), REAL(0), REAL(0)};
-    laws_t laws;
-    motion_t m;
-    if (!laws_init(thrusts, &laws)) return SSV_NO_AUTHORITY;
-    real_t top = top_speed(&laws, distance);
-    if (rule->speed_max > REAL(0)) top = real_min(top, rule->speed_max);
-    // Where only time counts, full thrust and full reverse are optimal.
-    const bool thrifty = rule->ramp == SSV_OPTIMAL && rule->weight_impulse_per_Ns > REAL(0);
-    const ssv_outcome_t outcome =
-        thrifty ? solve_optimal(&laws, rule, distance, top, &m) : solve_paper(&laws, rule, distance, top, &m);
-    if (outcome != SSV_FEASIBLE) return outcome;
-
+    leg_t leg;
+    const ssv_outcome_t outcome = begin(thrusts, rule, distance, &leg);
     profile->num_pieces = 0;
-    profile->duration_s = profile->impulse_Ns = REAL(0);
-    profile->peak_speed = m.peak;
-    bool fits = true;
-    for (int k = 0; k < m.up.num && m.up.v[k] < m.peak; k++) {
-        fits = fits && append(profile, thrusts, m.up.law[k]->c, m.up.v[k], real_min(m.up.v[k + 1], m.peak), REAL(0));
-    }
-    if (m.cruise > REAL(0)) fits = fits && append(profile, thrusts, steady, m.peak, m.peak, real_div(m.cruise, m.peak));
-    for (int k = m.slow.num - 1; k >= 0; k--) {
-        if (m.slow.v[k] >= m.peak) continue;
-        fits = fits && append(profile, thrusts, m.slow.law[k]->c, real_min(m.slow.v[k + 1], m.peak), m.slow.v[k], REAL(0));
-    }
-    if (!fits) return SSV_TOO_MANY_PIECES;
-    return profile->duration_s <= SSV_DURATION_MAX_S ? SSV_FEASIBLE : SSV_TOO_LONG;
+    const ssv_profile_price_t price = finish(&leg, outcome == SSV_FEASIBLE ? solve(&leg, rule->ramp) : outcome, profile);
+    profile->duration_s = price.duration_s;
+    profile->impulse_Ns = price.impulse_Ns;
+    profile->peak_speed = price.peak_speed;
+    return price.outcome;
+}
+
+void ssv_profile_price_ramps(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule, real_t distance,
+                             ssv_profile_price_t* full_reverse, ssv_profile_price_t* drag_only) {
+    leg_t leg;
+    ssv_rule_t paper = *rule;
+    paper.ramp = SSV_FULL_REVERSE;
+    const ssv_outcome_t outcome = begin(thrusts, &paper, distance, &leg);
+    *full_reverse = finish(&leg, outcome == SSV_FEASIBLE ? solve(&leg, SSV_FULL_REVERSE) : outcome, NULL);
+    *drag_only = finish(&leg, outcome == SSV_FEASIBLE ? solve(&leg, SSV_DRAG_ONLY) : outcome, NULL);
 }

@@ -6,11 +6,17 @@
 #ifndef SSV_PROFILE_H
 #define SSV_PROFILE_H
 
-#include "planner/estimate.h"
 #include "planner/law.h"
+#include "planner/thrusts.h"
 
 /// Most pieces in one profile.
 #define SSV_MAX_PROFILE_PIECES 24
+
+typedef struct {
+    ssv_outcome_t outcome;       ///< SSV_FEASIBLE; SSV_NO_AUTHORITY if no thruster acts along the leg or the least thrust does not
+                                 ///< slow the body; SSV_TOO_LONG; SSV_TOO_MANY_PIECES
+    real_t duration_s, impulse_Ns, peak_speed; ///< meaningful when feasible
+} ssv_profile_price_t;
 
 typedef struct {
     real_t duration_s, impulse_Ns, peak_speed;
@@ -32,9 +38,15 @@ typedef struct {
 /// for terminal speed turns from speeding up to slowing where the distance asks.
 /// SSV_OPTIMAL: the profile with the least W1 T + W2 F of all (DESIGN.md 5). Without a price on time no leg would end: W1
 /// counts as at least SSV_TIME_PRICE_MIN_N times W2.
-/// @return SSV_FEASIBLE; SSV_NO_AUTHORITY if no thruster acts along the leg or the least thrust does not slow the body;
-/// SSV_TOO_LONG; SSV_TOO_MANY_PIECES. *profile is meaningful only when feasible. Some 10 to 100 logarithms.
+/// *profile is meaningful only when feasible. Some 10 to 100 logarithms.
 ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule, real_t distance, ssv_profile_t* profile);
+
+/// Duration and impulse of that profile, to the same bits, without its pieces.
+ssv_profile_price_t ssv_profile_price(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule, real_t distance);
+
+/// The same for both the paper's ramps at once, at little more than the cost of one; rule->ramp is not looked at.
+void ssv_profile_price_ramps(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule, real_t distance,
+                             ssv_profile_price_t* full_reverse, ssv_profile_price_t* drag_only);
 
 /// Speed of a piece at a time since its start, 0 <= t_s <= piece->duration_s.
 real_t ssv_piece_speed(const ssv_piece_t* piece, real_t t_s);

@@ -1,0 +1,69 @@
+/// Ramps: how speed rises from rest, or falls to it, under a rule that binds some thruster at each speed (DESIGN.md 5).
+#ifndef SSV_RAMP_H
+#define SSV_RAMP_H
+
+#include "planner/law.h"
+#include "planner/thrusts.h"
+
+/// Which thruster is bound, at its limit or to no thrust. The thrifty rules are those of the optimal profile.
+typedef enum { SSV_SPEED_UP, SSV_BRAKE, SSV_COAST, SSV_THRIFTY_UP, SSV_THRIFTY_SLOW } ssv_policy_t;
+
+/// A leg's laws, and what the rules need beside them.
+typedef struct {
+    ssv_laws_t laws;
+    real_t top;                        ///< speeds go up to here
+    real_t size[SSV_NUM_THRUSTERS];    ///< of the idle law, up to the top: what rounding is judged against
+    real_t weight_time, weight_impulse, lambda; ///< of the thrifty rules; lambda is the marginal cost of distance
+    bool coasts[SSV_NUM_THRUSTERS];    ///< thrifty rules: whether a coast on this thruster differs from a cruise, up to the top
+} ssv_steering_t;
+
+/// Sets the speed that ramps go up to.
+void ssv_steering_up_to(ssv_steering_t* steering, real_t top);
+
+/// A stretch of a ramp under one law, between two speeds.
+typedef struct {
+    real_t v_low, v_high;
+    ssv_moments_t m;                   ///< integrals over it; distance is from v_low to v_high
+    int law;                           ///< see ssv_ramp_law
+} ssv_stretch_t;
+
+/// A ramp from rest upwards. The stretches lie `step` apart, so that two ramps can grow from both ends of one array.
+typedef struct {
+    ssv_stretch_t* first;
+    int step, num;
+    struct {
+        int stretch;
+        ssv_moments_t m;
+        real_t v;
+    } cut;                             ///< where it was last looked at
+} ssv_ramp_table_t;
+
+static inline ssv_stretch_t* ssv_ramp_stretch(const ssv_ramp_table_t* ramp, int k) { return ramp->first + k * ramp->step; }
+
+/// Speed up to which a ramp goes.
+static inline real_t ssv_ramp_top(const ssv_ramp_table_t* ramp) {
+    return ramp->num > 0 ? ssv_ramp_stretch(ramp, ramp->num - 1)->v_high : REAL(0);
+}
+
+/// dv/dt = Q(v) of a stretch.
+void ssv_ramp_law(const ssv_laws_t* laws, int law, real_t c[3]);
+
+/// Extends the ramp under one rule to a speed, with at most `room` stretches in all. @return false if these do not suffice.
+bool ssv_ramp_extend(const ssv_steering_t* steering, ssv_policy_t policy, real_t top, int room, ssv_ramp_table_t* ramp);
+
+/// Ends the ramp where its speed would no longer fall.
+void ssv_ramp_keep_slowing(const ssv_laws_t* laws, ssv_ramp_table_t* ramp);
+
+/// Integrals of a law between two speeds, low to high whichever way it goes.
+ssv_moments_t ssv_ramp_integrals(const real_t law[3], real_t v_low, real_t v_high);
+
+/// Fills the integrals of all stretches.
+void ssv_ramp_measure(const ssv_laws_t* laws, ssv_ramp_table_t* ramp);
+
+/// Distance from rest to v, and |dv/dt| there; keeps the cut.
+real_t ssv_ramp_reach(const ssv_laws_t* laws, ssv_ramp_table_t* ramp, real_t v, real_t* acceleration);
+
+/// Ends the ramp where ssv_ramp_reach last looked.
+void ssv_ramp_cut(ssv_ramp_table_t* ramp);
+
+#endif
