@@ -130,8 +130,7 @@ static void reason_add_field(char* reason, const char* field, int index) {
 }
 
 static void reason_add_overflow(char* reason) {
-    reason_add(reason, "a number does not fit the planner's arithmetic, which is " REAL_NAME
-                       "; ask a planner that computes in another one, best double");
+    reason_add(reason, "a number does not fit the planner's arithmetic, " REAL_NAME "; ask a planner that computes in double");
 }
 
 /// The fault in words: where, what, and what would be right.

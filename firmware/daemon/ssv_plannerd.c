@@ -448,7 +448,7 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
     }
 }
 
-const char* argp_program_version = "ssv-plannerd " SSV_VERSION;
+const char* argp_program_version = "ssv-plannerd " SSV_VERSION " (" REAL_NAME ")";
 
 int main(int argc, char** argv) {
     static plannerd_t self;

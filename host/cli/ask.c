@@ -7,8 +7,10 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
+#include "lcm_ssv_planner_status_t.h"
 #include "ssv/answer.h"
 
 #define RESEND_PERIOD_S 0.5
@@ -22,6 +24,8 @@ typedef struct {
     lcm_ssv_plan_t* plan;
     lcm_ssv_quote_batch_t* quotes;
     uint32_t num_quotes;          ///< as many as there must be
+    const char* scalar;           ///< the one that the planner must have; NULL = any
+    char scalar_heard[16];        ///< from its status; empty until then
     bool answered;
     int foreign;                  ///< messages on the channel that are no such answer of our version
 } wait_t;
@@ -146,6 +150,22 @@ static void quotes_received(const lcm_recv_buf_t* datagram, const char* channel,
     }
 }
 
+static void status_received(const lcm_recv_buf_t* datagram, const char* channel, void* context) {
+    (void)channel;
+    wait_t* wait = context;
+    const uint8_t* data = datagram->data;
+    const size_t size = datagram->data_size;
+    size_t at = 8 + 8;
+    if (size < at || size > DATAGRAM_SIZE_MAX || read_u64(data) != (uint64_t)__lcm_ssv_planner_status_t_get_hash() ||
+        !skip_string(data, size, &at)) {
+        return;
+    }
+    const char* scalar = (const char*)data + at + 4;
+    if (skip_string(data, size, &at)) {
+        snprintf(wait->scalar_heard, sizeof wait->scalar_heard, "%s", scalar);
+    }
+}
+
 static const char* url_in_use(const char* url) {
     const char* const from_environment = getenv("LCM_DEFAULT_URL");
     return url != NULL ? url : from_environment != NULL ? from_environment : "udpm://239.255.76.67:7667?ttl=0";
@@ -173,6 +193,29 @@ static bool exchange(lcm_t* lcm, const uint8_t* message, unsigned size, double t
     return true;
 }
 
+/// Waits until the planner says which scalar it computes in. @return whether that is the one wanted, else with the error set.
+static bool check_scalar(lcm_t* lcm, const char* url, double timeout_s, wait_t* wait, char* error, size_t error_size) {
+    const double deadline_s = now_s() + timeout_s;
+    if (lcm_subscribe(lcm, "SSV_PLANNER_STATUS", status_received, wait) == NULL) {
+        snprintf(error, error_size, "cannot set up LCM on %s", url_in_use(url));
+        return false;
+    }
+    for (double t_s = now_s(); wait->scalar_heard[0] == '\0' && t_s < deadline_s; t_s = now_s()) {
+        if (lcm_handle_timeout(lcm, (int)ceil(1000 * (deadline_s - t_s))) < 0) {
+            snprintf(error, error_size, "LCM cannot receive");
+            return false;
+        }
+    }
+    if (wait->scalar_heard[0] == '\0') {
+        snprintf(error, error_size, "no planner on %s said within %g s what it computes in, which --scalar waits for; start "
+                 "ssv-plannerd there, or give it more time with --timeout", url_in_use(url), timeout_s);
+    } else if (strcmp(wait->scalar_heard, wait->scalar) != 0) {
+        snprintf(error, error_size, "the planner on %s computes in %s, not in %s; start one that does (ssv-plannerd --version "
+                 "says which), or ask without --scalar", url_in_use(url), wait->scalar_heard, wait->scalar);
+    }
+    return strcmp(wait->scalar_heard, wait->scalar) == 0;
+}
+
 /// Sends the encoded question and waits for its answer. @return false with the error set if there is none.
 static bool ask(const char* url, double timeout_s, const uint8_t* message, unsigned size, lcm_msg_handler_t received,
                 wait_t* wait, char* error, size_t error_size) {
@@ -187,7 +230,8 @@ static bool ask(const char* url, double timeout_s, const uint8_t* message, unsig
     if (!sound) {
         snprintf(error, error_size, "cannot set up LCM on %s", url_in_use(url));
     } else {
-        sound = exchange(lcm, message, size, timeout_s, wait, error, error_size);
+        sound = (wait->scalar == NULL || check_scalar(lcm, url, timeout_s, wait, error, error_size)) &&
+                exchange(lcm, message, size, timeout_s, wait, error, error_size);
     }
     lcm_destroy(lcm);
     if (!sound || wait->answered) {
@@ -205,26 +249,28 @@ static bool ask(const char* url, double timeout_s, const uint8_t* message, unsig
     return false;
 }
 
-bool ask_plan(const char* url, double timeout_s, const lcm_ssv_scenario_t* question, lcm_ssv_plan_t* answer, char* error,
-              size_t error_size) {
+bool ask_plan(const char* url, const char* scalar, double timeout_s, const lcm_ssv_scenario_t* question,
+              lcm_ssv_plan_t* answer, char* error, size_t error_size) {
     static uint8_t message[1024];
     wait_t wait = {.ask_channel = "SSV_SCENARIO",
                    .answer_channel = "SSV_PLAN",
                    .request_id = question->request_id,
-                   .plan = answer};
+                   .plan = answer,
+                   .scalar = scalar};
     const int size = lcm_ssv_scenario_t_encode(message, 0, sizeof message, question);
     assert(size > 0);
     return ask(url, timeout_s, message, (unsigned)size, plan_received, &wait, error, error_size);
 }
 
-bool ask_quotes(const char* url, double timeout_s, const lcm_ssv_scenario_batch_t* question, lcm_ssv_quote_batch_t* answer,
-                char* error, size_t error_size) {
+bool ask_quotes(const char* url, const char* scalar, double timeout_s, const lcm_ssv_scenario_batch_t* question,
+                lcm_ssv_quote_batch_t* answer, char* error, size_t error_size) {
     static uint8_t message[1024 * SSV_MAX_BATCH];
     wait_t wait = {.ask_channel = "SSV_SCENARIO_BATCH",
                    .answer_channel = "SSV_QUOTE_BATCH",
                    .request_id = question->request_id,
                    .quotes = answer,
-                   .num_quotes = (uint32_t)question->num_scenarios};
+                   .num_quotes = (uint32_t)question->num_scenarios,
+                   .scalar = scalar};
     const int size = lcm_ssv_scenario_batch_t_encode(message, 0, sizeof message, question);
     assert(size > 0);
     return ask(url, timeout_s, message, (unsigned)size, quotes_received, &wait, error, error_size);

@@ -9,6 +9,7 @@ enum {
     EXIT_INVALID = 2,             ///< the scenario is refused
     EXIT_INFEASIBLE = 3,          ///< the scenario is sound, but there is no plan
     EXIT_NO_ANSWER = 4,           ///< nobody answered over LCM
+    EXIT_OVERFLOW = 5,            ///< the scenario is sound, but a number does not fit the planner's scalar
     EXIT_USAGE = 64               ///< wrong arguments (sysexits.h, argp)
 };
 

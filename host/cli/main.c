@@ -5,7 +5,7 @@
 #include "commands.h"
 #include "ssv/planner.h"
 
-const char* argp_program_version = "ssv " SSV_VERSION;
+const char* argp_program_version = "ssv " SSV_VERSION " (" REAL_NAME ")";
 
 static const struct {
     const char* name;

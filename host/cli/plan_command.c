@@ -18,6 +18,8 @@ static const char doc[] =
     "  ssv plan task.yaml --candidates      what else was tried, and what it costs\n"
     "  ssv plan task.yaml --format json --output plan.json\n"
     "                                       for scripts and ssv-replay\n"
+    "  ssv plan task.yaml --scalar fixed    as a vehicle computer without floating\n"
+    "                                       point would plan it\n"
     "  ssv plan task.yaml --lcm             asks a running ssv-plannerd\n"
     "  ssv plan task.yaml --lcm udpm://239.255.76.67:7667?ttl=1 --timeout 10\n"
     "\n"
@@ -33,7 +35,10 @@ static const char doc[] =
     "   2  the scenario is refused: a file cannot be read, or a key or a value is\n"
     "      wrong; the message names it\n"
     "   3  the scenario is sound, but there is no plan; the answer says why\n"
-    "   4  nobody answered over LCM, or LCM does not work here\n"
+    "   4  nobody answered over LCM, or not in the scalar asked for, or LCM does not\n"
+    "      work here\n"
+    "   5  the scenario is sound, but a number on the way to its plan does not fit\n"
+    "      the scalar; try --scalar double\n"
     "  64  wrong arguments\n"
     "   1  anything else, e.g. FILE cannot be written\n";
 
@@ -48,6 +53,8 @@ static int show(const task_options_t* options, const lcm_ssv_scenario_t* questio
         return EXIT_OK;
     case LCM_SSV_QUOTE_T_STATUS_INFEASIBLE:
         return EXIT_INFEASIBLE;
+    case LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW:
+        return EXIT_OVERFLOW;
     default:
         return EXIT_INVALID;
     }
@@ -66,7 +73,6 @@ static int conclude(const task_options_t* options, const lcm_ssv_scenario_t* que
 
 int plan_command(int argc, char** argv) {
     task_options_t options;
-    argv[0] = "ssv plan";
     task_options_parse(&options, doc, 1, argc, argv);
 
     char error[1024];
@@ -85,7 +91,7 @@ int plan_command(int argc, char** argv) {
         return conclude(&options, &question, &answer.wire);
     }
     lcm_ssv_plan_t answer;
-    if (!ask_plan(options.lcm_url, options.timeout_s, &question, &answer, error, sizeof error)) {
+    if (!ask_plan(options.lcm_url, options.scalar, options.timeout_s, &question, &answer, error, sizeof error)) {
         fprintf(stderr, "ssv: %s\n", error);
         return EXIT_NO_ANSWER;
     }

@@ -29,7 +29,10 @@ static const char doc[] =
     "      wrong; the message names it\n"
     "   3  every scenario is sound, but for one there is no plan; the answer\n"
     "      says why\n"
-    "   4  nobody answered over LCM, or LCM does not work here\n"
+    "   4  nobody answered over LCM, or not in the scalar asked for, or LCM does not\n"
+    "      work here\n"
+    "   5  every scenario is sound, but a number on the way to a price does not fit\n"
+    "      the scalar; try --scalar double\n"
     "  64  wrong arguments\n"
     "   1  anything else, e.g. FILE cannot be written\n";
 
@@ -52,6 +55,8 @@ static int conclude(const task_options_t* options, const task_t* tasks, const lc
         report.row[i] = (report_quote_t){options->paths[i], &task->question, quote};
         if (quote->status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE) {
             code = code == EXIT_OK ? EXIT_INFEASIBLE : code;
+        } else if (quote->status == LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW) {
+            code = code == EXIT_INVALID ? code : EXIT_OVERFLOW;
         } else if (quote->status != LCM_SSV_QUOTE_T_STATUS_OK) {
             code = EXIT_INVALID;
         }
@@ -76,7 +81,6 @@ int quote_command(int argc, char** argv) {
     static task_t tasks[SSV_MAX_BATCH];
     static lcm_ssv_scenario_t scenarios[SSV_MAX_BATCH];
     task_options_t options;
-    argv[0] = "ssv quote";
     task_options_parse(&options, doc, SSV_MAX_BATCH, argc, argv);
 
     lcm_ssv_scenario_batch_t batch = {.scenarios = scenarios};
@@ -101,7 +105,7 @@ int quote_command(int argc, char** argv) {
     }
     char error[1024];
     lcm_ssv_quote_batch_t answer;
-    if (!ask_quotes(options.lcm_url, options.timeout_s, &batch, &answer, error, sizeof error)) {
+    if (!ask_quotes(options.lcm_url, options.scalar, options.timeout_s, &batch, &answer, error, sizeof error)) {
         fprintf(stderr, "ssv: %s\n", error);
         return EXIT_NO_ANSWER;
     }

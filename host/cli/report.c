@@ -17,7 +17,7 @@ static const char* name_of(const char* const* names, size_t count, int8_t value)
     return value >= 0 && (size_t)value < count ? names[value] : "unknown";
 }
 
-static const char* const status_names[] = {"ok", "infeasible", "invalid"};
+static const char* const status_names[] = {"ok", "infeasible", "invalid", "numeric_overflow"};
 static const char* const phase_names[] = {"transit", "transfer"};
 static const char* const kind_names[] = {"translate", "turn", "screw"};
 static const char* const ramp_names[] = {"full_reverse", "drag_only", "optimal"};
@@ -382,6 +382,9 @@ bool report_plan_table(FILE* out, const void* report) {
         detail_tables(out, quote);
         return true;
     }
+    if (quote->status != LCM_SSV_QUOTE_T_STATUS_OK) {
+        return true;
+    }
     const bool is_optimal = question->options.method == LCM_SSV_OPTIONS_T_METHOD_OPTIMAL;
     fprintf(out, "%s: J = %.9g /s x %.3f s + %.9g /(N s) x %.3f N s = %.3f\n", title, question->weight_time_per_s,
             quote->time_s, question->weight_impulse_per_Ns, quote->impulse_Ns, quote->cost);
@@ -407,7 +410,9 @@ bool report_plan_table(FILE* out, const void* report) {
 static void quote_row(FILE* out, int path_width, const char* path, const lcm_ssv_quote_t* quote) {
     fprintf(out, "%-*s", path_width, path);
     if (quote->status != LCM_SSV_QUOTE_T_STATUS_OK) {
-        fprintf(out, "  %s\n", quote->status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE ? "no feasible candidate" : "refused");
+        fprintf(out, "  %s\n", quote->status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE         ? "no feasible candidate"
+                             : quote->status == LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW ? "numeric overflow"
+                                                                                        : "refused");
         return;
     }
     fprintf(out, "  %11.3f  %9.3f  %11.3f  %11.3f", quote->cost, quote->time_s, quote->impulse_Ns, quote->cost_lower_bound);

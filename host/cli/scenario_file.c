@@ -538,8 +538,9 @@ static void check_unit(error_t* error, const char* key, const double* values, in
         square += values[i] * values[i];
     }
     check_finite(error, key, values, count);
-    if (!(fabs(sqrt(square) - 1) <= SSV_UNIT_TOLERANCE)) {
-        error_set(error, 0, "%s: length %.9g is not 1 within %.3g", key, sqrt(square), SSV_UNIT_TOLERANCE);
+    const double tolerance = real_to_double(SSV_UNIT_TOLERANCE);
+    if (!(fabs(sqrt(square) - 1) <= tolerance)) {
+        error_set(error, 0, "%s: length %.9g is not 1 within %.3g", key, sqrt(square), tolerance);
     }
 }
 

@@ -2,6 +2,7 @@
 #include "task_options.h"
 
 #include <argp.h>
+#include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,9 +10,12 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "commands.h"
 #include "scenario_file.h"
 
-enum { KEY_LCM = 256, KEY_WEIGHTS, KEY_METHOD, KEY_EFFORT, KEY_FORMAT, KEY_OUTPUT, KEY_TIMEOUT, KEY_CANDIDATES, KEY_FRONT };
+enum {
+    KEY_LCM = 256, KEY_WEIGHTS, KEY_METHOD, KEY_EFFORT, KEY_SCALAR, KEY_FORMAT, KEY_OUTPUT, KEY_TIMEOUT, KEY_CANDIDATES, KEY_FRONT
+};
 
 static const struct argp_option option_table[] = {
     {"lcm", KEY_LCM, "URL", OPTION_ARG_OPTIONAL, "Ask a running ssv-plannerd over LCM, instead of computing in process", 0},
@@ -20,6 +24,8 @@ static const struct argp_option option_table[] = {
      SCENARIO_METHOD_DEFAULT ")", 0},
     {"effort", KEY_EFFORT, "quick|best", 0, "How much method optimal tries, instead of the file's (default "
      SCENARIO_EFFORT_DEFAULT ")", 0},
+    {"scalar", KEY_SCALAR, "double|float|fixed", 0, "The arithmetic that the planner computes in (default " SSV_DEFAULT_SCALAR
+     "); with --lcm the running planner must be of that one", 0},
     {"candidates", KEY_CANDIDATES, NULL, 0, "Also show every (contact, height) and what it costs", 0},
     {"front", KEY_FRONT, NULL, 0, "Also show what time and impulse can be traded for; takes some ten times as long", 0},
     {"format", KEY_FORMAT, "table|json", 0, "For people (default) or for programs", 0},
@@ -73,6 +79,12 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
             argp_error(state, "--effort %s: there are quick and best", argument);
         }
         return 0;
+    case KEY_SCALAR:
+        if (strcmp(argument, "double") != 0 && strcmp(argument, "float") != 0 && strcmp(argument, "fixed") != 0) {
+            argp_error(state, "--scalar %s: there are double, float and fixed", argument);
+        }
+        options->scalar = argument;
+        return 0;
     case KEY_CANDIDATES:
         options->want_candidates = true;
         return 0;
@@ -108,18 +120,41 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
     }
 }
 
-/// The folder of the models, at the same place beside the program in the build tree and where it is installed; the caller
-/// frees it. NULL if out of memory.
-static char* find_models(void) {
+/// A path from the folder of this program.
+static void path_from_bin(const char* relative, char* path, size_t size) {
     char program[PATH_MAX] = "";
     const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
     program[length > 0 ? length : 0] = '\0';
     char* const slash = strrchr(program, '/');
     const int bin_length = slash == NULL ? 0 : (int)(slash + 1 - program);
+    snprintf(path, size, "%.*s%s", bin_length, program, relative);
+}
+
+/// The folder of the models, at the same place beside the program in the build tree and where it is installed; the caller
+/// frees it. NULL if out of memory.
+static char* find_models(void) {
     char joined[PATH_MAX + sizeof SSV_MODELS_FROM_BIN];
-    snprintf(joined, sizeof joined, "%.*s" SSV_MODELS_FROM_BIN, bin_length, program);
+    path_from_bin(SSV_MODELS_FROM_BIN, joined, sizeof joined);
     char* const resolved = realpath(joined, NULL);
     return resolved != NULL ? resolved : strdup(joined);
+}
+
+/// Runs the program beside this one that has a planner of that scalar in it, with the same arguments.
+__attribute__((noreturn)) static void hand_over(const char* scalar, char* command, int argc, char** argv) {
+    const bool is_default = strcmp(scalar, SSV_DEFAULT_SCALAR) == 0;
+    char name[16], program[PATH_MAX + sizeof name];
+    char** const arguments = calloc((size_t)argc + 2, sizeof *arguments);
+    snprintf(name, sizeof name, "ssv%s%s", is_default ? "" : "-", is_default ? "" : scalar);
+    path_from_bin(name, program, sizeof program);
+    if (arguments != NULL) {
+        arguments[0] = name;
+        arguments[1] = command;
+        memcpy(&arguments[2], &argv[1], (size_t)(argc - 1) * sizeof *arguments);
+        execv(program, arguments);
+    }
+    fprintf(stderr, "ssv: cannot run %s, which plans in %s: %s; install it beside this program\n", program, scalar,
+            strerror(errno));
+    exit(EXIT_FAILED);
 }
 
 void task_options_parse(task_options_t* options, const char* doc, int max_paths, int argc, char** argv) {
@@ -129,7 +164,15 @@ void task_options_parse(task_options_t* options, const char* doc, int max_paths,
                                 .doc = doc};
     input_t input = {options, max_paths};
     *options = (task_options_t){.timeout_s = 5, .method = -1, .effort = -1};
+    char* const command = argv[0];
+    char name[32];
+    snprintf(name, sizeof name, "ssv %s", command);
+    argv[0] = name;
     argp_parse(&parser, argc, argv, 0, NULL, &input);
+    argv[0] = command;
+    if (options->scalar != NULL && strcmp(options->scalar, REAL_NAME) != 0 && !options->over_lcm) {
+        hand_over(options->scalar, command, argc, argv);
+    }
 }
 
 bool task_read(const task_options_t* options, const char* path, lcm_ssv_scenario_t* question, char* error,

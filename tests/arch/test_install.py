@@ -27,7 +27,8 @@ class Install(unittest.TestCase):
     @unittest.skipUnless(os.environ["SSV_BUILD_HOST"] == "ON", "built without the programs")
     def test_installed_programs_start_and_do_not_lean_on_the_build_folder(self):
         programs = sorted(path.name for path in (self.prefix / "bin").iterdir())
-        self.assertEqual(programs, ["ssv", "ssv-plannerd", "ssv-replay"])
+        self.assertEqual(programs, ["ssv", "ssv-fixed", "ssv-float", "ssv-plannerd", "ssv-plannerd-fixed", "ssv-plannerd-float",
+                                    "ssv-replay"])
         for program in programs:
             with self.subTest(program=program):
                 self.assertTrue(run([self.prefix / "bin" / program, "--version"], env=CLEAN).strip())

@@ -18,7 +18,7 @@ OTHERS = {"memcpy", "memset", "memmove", "memcmp", "sincos", "__assert_fail", "_
 def libm_of(scalar):
     """The libm functions that a scalar's header passes on: calls in it to names that do not begin with real_."""
     text = (ROOT / f"firmware/include/ssv/real_{scalar}.h").read_text()
-    return set(re.findall(r"(?:return|=)\s+((?!real_|is)[a-z]\w*)\(", text))
+    return set(re.findall(r"(?:return|[=:])\s+((?!real_|is)[a-z]\w*)\(", text))
 
 
 def breaches(archive):

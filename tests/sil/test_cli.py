@@ -48,11 +48,12 @@ def without_stamp(plan):
 
 
 class Daemon:
-    def __init__(self, url):
+    def __init__(self, url, program="ssv-plannerd"):
         self._url = url
+        self._program = program
 
     def __enter__(self):
-        self.process = subprocess.Popen([BIN / "ssv-plannerd", "--lcm-url", self._url], stderr=subprocess.DEVNULL)
+        self.process = subprocess.Popen([BIN / self._program, "--lcm-url", self._url], stderr=subprocess.DEVNULL)
         return self
 
     def __exit__(self, *_):
@@ -242,6 +243,7 @@ class UsageTest(InFolder):
             ["plan", PAPER_CASE, "--method", "best"],
             ["plan", PAPER_CASE, "--method", ""],
             ["plan", PAPER_CASE, "--effort", "paper"],
+            ["plan", PAPER_CASE, "--scalar", "half"],
             ["plan", PAPER_CASE, "--format", "xml"],
             ["plan", PAPER_CASE, "--lcm", "--timeout", "0"],
             ["plan", PAPER_CASE, "--lcm", "--timeout", ".nan"],
@@ -262,13 +264,13 @@ class UsageTest(InFolder):
             self.assertEqual(done.returncode, 0)
             self.assertIn("Examples:", done.stdout)
             codes = [line.split()[0] for line in re.split("Exit codes.*:", done.stdout)[1].splitlines() if line.strip()]
-            self.assertEqual(sorted(code for code in codes if code.isdigit()), ["0", "1", "2", "3", "4", "64"])
+            self.assertEqual(sorted(code for code in codes if code.isdigit()), ["0", "1", "2", "3", "4", "5", "64"])
             self.assertLessEqual(max(map(len, done.stdout.splitlines())), 80)
             self.assertIn(f"  {command} ", ssv("--help").stdout)
 
     def test_version_is_that_of_the_daemon(self):
         daemon = subprocess.run([BIN / "ssv-plannerd", "--version"], capture_output=True, text=True, timeout=60)
-        self.assertEqual(ssv("--version").stdout.split()[-1], daemon.stdout.split()[-1])
+        self.assertEqual(ssv("--version").stdout.split()[1:], daemon.stdout.split()[1:])
 
     def test_weights_of_the_command_line_count_over_those_of_the_file(self):
         plan = json.loads(ssv("plan", PAPER_CASE, "--weights", "0.5,2e-1", "--format", "json").stdout)
@@ -575,6 +577,75 @@ class QuoteTest(InFolder):
         done = ssv("quote", PAPER_CASE, "--format", "json", "--output", file)
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
         self.assertEqual(json.loads(file.read_text())["quotes"][0]["status"], "ok")
+
+
+class ScalarTest(InFolder):
+    """The planner in other arithmetics; that their plans are as good is property.scalars' to say."""
+    NUMBERS = ("J", "time_s", "impulse_Ns")
+
+    def answer(self, command, path, *arguments):
+        done = ssv(command, path, "--format", "json", *arguments)
+        self.assertEqual(done.returncode, 0, done)
+        return json.loads(done.stdout) if command == "plan" else json.loads(done.stdout)["quotes"][0]
+
+    def too_heavy(self):
+        """Costs some 1e8, and the largest number of fixed point is 6.7e7."""
+        return self.scenario(("p_IS_m: [0, 0, 0]", "p_IS_m: [-300, 0, 0]"), ("{time: 1, impulse: 1}", "{time: 1000, impulse: 1000}"))
+
+    def test_each_scalar_plans_and_quotes_the_case_study_much_alike_and_none_like_another(self):
+        plans = {scalar: self.answer("plan", PAPER_CASE, "--scalar", scalar) for scalar in ("double", "float", "fixed")}
+        self.assertEqual(without_stamp(plans["double"]), without_stamp(self.answer("plan", PAPER_CASE)))
+        self.assertEqual(len({plan["plan_hash"] for plan in plans.values()}), 3)
+        for scalar, plan in plans.items():
+            self.assertEqual(self.answer("quote", PAPER_CASE, "--scalar", scalar)["cost"], plan["cost"])
+            for key in self.NUMBERS:
+                self.assertAlmostEqual(plan["cost"][key] / plans["double"]["cost"][key], 1, delta=0.01)
+
+    def test_the_programs_of_the_other_scalars_do_the_same_by_themselves_and_say_which_they_are(self):
+        for scalar in ("float", "fixed"):
+            for name in ("ssv", "ssv-plannerd"):
+                version = subprocess.run([BIN / f"{name}-{scalar}", "--version"], capture_output=True, text=True, timeout=60)
+                self.assertIn(f"({scalar})", version.stdout)
+            itself = subprocess.run([BIN / f"ssv-{scalar}", "plan", PAPER_CASE], capture_output=True, text=True, timeout=60)
+            asked = ssv("plan", PAPER_CASE, "--scalar", scalar)
+            self.assertEqual((itself.returncode, itself.stdout, itself.stderr), (asked.returncode, asked.stdout, asked.stderr))
+
+    def test_a_number_that_does_not_fit_the_scalar_is_told_and_never_a_price(self):
+        path = self.too_heavy()
+        self.assertEqual(self.answer("plan", path)["status"], "ok")
+        for command, arguments in (("plan", [path]), ("quote", [PAPER_CASE, path])):
+            done = ssv(command, *arguments, "--scalar", "fixed")
+            self.assertEqual(done.returncode, 5, done)
+            self.assertEqual(done.stderr, f"ssv: {path}: a number does not fit the planner's arithmetic, fixed; ask a planner "
+                                          "that computes in double\n")
+        self.assertEqual(done.stdout.splitlines()[2].split(maxsplit=1)[1], "numeric overflow")
+        done = ssv("plan", path, "--scalar", "fixed", "--format", "json")
+        self.assertEqual((done.returncode, json.loads(done.stdout)["status"]), (5, "numeric_overflow"))
+        self.assertNotIn("cost", json.loads(done.stdout))
+
+    def test_over_lcm_the_planner_must_be_of_the_scalar_asked_for(self):
+        over_lcm = [f"--lcm={URL}", "--timeout", "20", "--scalar"]
+        with Daemon(URL, "ssv-plannerd-fixed"):
+            for command in ("plan", "quote"):
+                here = self.answer(command, PAPER_CASE, "--scalar", "fixed")
+                self.assertEqual(self.answer(command, PAPER_CASE, *over_lcm, "fixed")["cost"], here["cost"])
+                done = ssv(command, PAPER_CASE, *over_lcm, "double")
+                self.assertEqual((done.returncode, done.stdout), (4, ""), done)
+                self.assertIn("computes in fixed, not in double", done.stderr)
+            done = ssv("plan", self.too_heavy(), *over_lcm, "fixed")
+            self.assertEqual(done.returncode, 5, done)
+            self.assertIn("does not fit", done.stderr)
+        done = ssv("plan", PAPER_CASE, f"--lcm={SILENT_URL}", "--scalar", "fixed", "--timeout", "0.2")
+        self.assertEqual((done.returncode, done.stdout), (4, ""))
+        self.assertIn(SILENT_URL, done.stderr)
+
+    def test_a_program_that_is_not_there_is_named(self):
+        alone = self.folder / "ssv"
+        alone.write_bytes((BIN / "ssv").read_bytes())
+        alone.chmod(0o755)
+        done = subprocess.run([alone, "plan", PAPER_CASE, "--scalar", "fixed"], capture_output=True, text=True, timeout=60)
+        self.assertEqual((done.returncode, done.stdout), (1, ""), done)
+        self.assertIn(f"{self.folder}/ssv-fixed", done.stderr)
 
 
 class OutputTest(InFolder):

@@ -714,7 +714,8 @@ class Process(DaemonTest):
                           last.quote_batch_type_hash, last.planner_status_type_hash),
                          tuple(map(type_hash, (ssv.scenario_t, ssv.plan_t, ssv.scenario_batch_t, ssv.quote_batch_t,
                                                ssv.planner_status_t))))
-        self.assertIn(last.version, self.run_daemon("--version").stdout)
+        self.assertEqual(f"ssv-plannerd {last.version} ({last.scalar})\n", self.run_daemon("--version").stdout)
+        self.assertEqual(last.scalar, "double")
         self.assertEqual((last.accepted, last.last_request_id), (1, 77))
         self.assertLess(0, last.last_plan_us)
         self.assertLessEqual(last.last_plan_us, last.worst_plan_us)
