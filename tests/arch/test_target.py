@@ -1,74 +1,201 @@
-"""The planner on bare Cortex-M cores, emulated: it plans, and fixed point gives the same bits there as here."""
+"""The planner on bare Cortex-M cores, emulated: it plans the shipped scenarios and random tasks, fixed point gives the same bits
+there as here, and what it takes stays within tests/bench/budgets.csv. -V shows the figures; SSV_REFRESH_BUDGETS=1 writes them
+to that file.
+"""
+import concurrent.futures
+import csv
+import json
 import os
-import pathlib
 import re
 import shutil
-import subprocess
 import sys
 import unittest
 
+import target
 from core import ROOT, run
 
 NEEDED = ("arm-none-eabi-gcc", "qemu-system-arm")
-WORK = pathlib.Path(os.environ["SSV_BUILD_DIR"]) / "target"  # kept, so that a second run compiles what changed
-MACHINE = {"m3": "mps2-an385", "m4f": "mps2-an386", "m7": "mps2-an500"}
-PLANNING = [("m7", "double")]
+IMAGES = [("m3", "fixed"), ("m4f", "fixed"), ("m4f", "float"), ("m7", "fixed"), ("m7", "float")]
+API = ["ssv_problem_init", "ssv_plan", "ssv_quote", "ssv_front", "ssv_lower_bound", "ssv_plan_sample"]
+# How far J may be from that of the double build on this machine, relative.
+COST_TOLERANCE = {"fixed": 1e-4, "float": 1e-3}
+LONGEST_INTERRUPT = 128  # bytes of stack: what the core saves, and the tick's handler
+
+BUDGETS = ROOT / "tests/bench/budgets.csv"
+COLUMNS = ["core", "scalar", "what", "figure", "budget"]
+MARGIN = 0.05
+# What the project has set itself.
+GOALS = {("m3", "fixed", "planner", "text_bytes"): 64 * 1024,
+         ("m3", "fixed", "planner", "static_ram_bytes"): 48 * 1024,
+         ("m3", "fixed", "ssv_plan", "stack_bytes"): 8 * 1024,
+         ("m3", "fixed", "paper_case optimal", "instructions"): 60_000_000,
+         ("m7", "float", "paper_case optimal", "instructions"): 10_000_000}
 
 
-def build(cpu, scalar):
-    """Cross compiles everything for a core; the folder with the images and the archive."""
-    folder = WORK / f"{cpu}-{scalar}"
-    run(["cmake", "-S", ROOT, "-B", folder, "-G", os.environ["SSV_GENERATOR"], "-DSSV_BUILD_HOST=OFF",
-         f"--toolchain={ROOT}/firmware/target/arm-none-eabi.cmake", f"-DSSV_CPU={cpu}", f"-DSSV_REAL={scalar}",
-         "-DCMAKE_BUILD_TYPE=Release"])
-    run(["cmake", "--build", folder])
-    return folder
+def compiler():
+    return run(["arm-none-eabi-gcc", "--version"]).splitlines()[0]
 
 
-def emulate(cpu, image):
-    """The lines that an image prints; fails unless it ends with 0."""
-    return run(["qemu-system-arm", "-M", MACHINE[cpu], "-nographic", "-monitor", "none", "-serial", "none",
-                "-semihosting-config", "enable=on,target=native,arg=image", "-icount", "shift=5", "-kernel", image],
-               timeout=300).splitlines()
+class Image:
+    """An image, what it has printed, and what it takes."""
+
+    def __init__(self, cpu, scalar):
+        self.cpu, self.scalar = cpu, scalar
+        folder = target.build(cpu, scalar)
+        self.folder, self.archive, self.file = folder, folder / "firmware/libssv_planner.a", folder / "bin/plan.elf"
+        lines, self.exit_code = target.emulate(cpu, self.file)
+        self.plans = target.planned(lines)
+        functions = target.disassembled(self.file)
+        self.stacks = {name: target.deepest(functions, name) for name in API}
+
+    def figures(self):
+        """{(core, scalar, what, figure): number}, all that has a budget."""
+        text, data, bss = target.sections(self.archive)
+        sizes = target.symbols(self.file)
+        found = {("planner", "text_bytes"): text,
+                 ("planner", "static_ram_bytes"): data + bss + sizes["problem"] + sizes["plan"]}
+        for name, (depth, _) in self.stacks.items():
+            found[name, "stack_bytes"] = depth
+        for (name, method), row in self.plans.items():
+            if not is_random(name) and row["status"] == "ok":
+                found[f"{name} {method}", "instructions"] = int(row["instructions"])
+        for method in ("optimal", "paper"):
+            found[f"random {method}", "most_instructions"] = max(
+                int(row["instructions"]) for (name, of), row in self.plans.items() if is_random(name) and of == method)
+        return {(self.cpu, self.scalar, *key): number for key, number in found.items()}
+
+
+def is_random(name):
+    return name.startswith("random_")
+
+
+def read_budgets():
+    """{(core, scalar, what, figure): budget}, and the compiler that they are for."""
+    with open(BUDGETS, encoding="utf-8", newline="") as file:
+        of = file.readline().removeprefix("# ").strip()
+        return {tuple(row[name] for name in COLUMNS[:4]): int(row["budget"]) for row in csv.DictReader(file)}, of
+
+
+def write_budgets(figures):
+    with open(BUDGETS, "w", encoding="utf-8", newline="") as file:
+        file.write(f"# {compiler()}\n")
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(COLUMNS)
+        rows.writerows([*key, number] for key, number in figures.items())
+
+
+def breaches(figures, budgets):
+    """Sentences: figures that are more than MARGIN over their budgets, and budgets and figures without the other."""
+    found = []
+    for key in {**budgets, **figures}:
+        name = ",".join(key)
+        if key not in budgets:
+            found.append(f"{name}: {figures[key]} has no budget")
+        elif key not in figures:
+            found.append(f"{name}: a budget of what is no more")
+        elif figures[key] > budgets[key] * (1 + MARGIN):
+            found.append(f"{name}: {figures[key]} is {figures[key] / budgets[key] - 1:.1%} over its budget of {budgets[key]}")
+    return found
 
 
 class Target(unittest.TestCase):
-    def test_the_case_study_is_planned_in_both_models_with_both_methods(self):
-        for cpu, scalar in PLANNING:
+    @classmethod
+    def setUpClass(cls):
+        with concurrent.futures.ThreadPoolExecutor(2) as pool:
+            images = {key: pool.submit(Image, *key) for key in IMAGES}
+            here = {scalar: pool.submit(target.do_here, "plan", scalar) for scalar in ("double", "fixed")}
+            cls.images = {key: future.result() for key, future in images.items()}
+            cls.here = {scalar: target.planned(future.result()[0]) for scalar, future in here.items()}
+        cls.figures = {key: number for image in cls.images.values() for key, number in image.figures().items()}
+
+    def test_every_shipped_scenario_is_planned_with_both_methods_at_the_price_of_the_double_build(self):
+        for (cpu, scalar), image in self.images.items():
+            print(f"Cortex-{cpu}, {scalar}: scenario, method, status, J, plan hash, instructions, bytes of stack")
+            for key, row in image.plans.items():
+                if is_random(row["name"]):
+                    continue
+                print(" ", *row.values())
+                with self.subTest(cpu=cpu, scalar=scalar, plan=key):
+                    self.assertEqual(row["status"], "ok")
+                    cost = float(self.here["double"][key]["cost"])
+                    self.assertAlmostEqual(float(row["cost"]), cost, delta=COST_TOLERANCE[scalar] * cost)
             with self.subTest(cpu=cpu, scalar=scalar):
-                lines = emulate(cpu, build(cpu, scalar) / "bin/plan.elf")
-                print(f"Cortex-{cpu}, {scalar}: model, method, status, J, plan hash, instructions, bytes of stack", *lines,
-                      sep="\n  ")
-                costs = {tuple(line.split()[:2]): float(line.split()[3]) for line in lines}
-                # J of the paper's method with both weights 1, as on the desktop.
-                self.assertAlmostEqual(costs["paper", "paper"], 4296.29, delta=0.1)
-                self.assertLess(costs["paper", "optimal"], costs["paper", "paper"])
-                self.assertLess(costs["ease", "optimal"], costs["ease", "paper"])
+                self.assertEqual(image.exit_code, 0)
 
-    def test_fixed_point_gives_the_same_bits_on_a_core_without_floating_point(self):
-        folder = build("m3", "fixed")
-        lines = emulate("m3", folder / "bin/arithmetic.elf")
+    def test_fixed_point_gives_the_plans_of_this_machine_to_the_last_bit_on_every_core(self):
+        expected = {key: (row["status"], row["cost"], row["hash"]) for key, row in self.here["fixed"].items()}
+        self.assertGreaterEqual(sum(is_random(name) for name, _ in expected), 50)
+        self.assertGreater(sum(row["status"] == "ok" for row in self.here["fixed"].values()), len(expected) * 0.9)
+        for (cpu, scalar), image in self.images.items():
+            if scalar == "fixed":
+                with self.subTest(cpu=cpu):
+                    self.assertEqual({key: (row["status"], row["cost"], row["hash"]) for key, row in image.plans.items()},
+                                     expected)
+
+    def test_the_command_line_makes_the_same_plans_of_the_scenario_files(self):
+        for scalar, plans in self.here.items():
+            for (name, method), row in plans.items():
+                if not is_random(name):
+                    with self.subTest(scalar=scalar, name=name, method=method):
+                        answer = run([f"{os.environ['SSV_BIN_DIR']}/ssv", "plan", ROOT / f"host/scenarios/{name}.yaml", "--scalar",
+                                      scalar, "--method", method, "--effort", "quick", "--format", "json"])
+                        self.assertEqual(json.loads(answer)["plan_hash"], row["hash"])
+
+    def test_nothing_takes_more_than_its_budget(self):
+        for key, goal in GOALS.items():
+            number = self.figures[key]
+            print(f"goal {','.join(key)}: {number} of {goal}, {'met' if number <= goal else 'missed'}")
+        for (cpu, scalar), image in self.images.items():
+            depth, path = image.stacks["ssv_plan"]
+            print(f"Cortex-{cpu}, {scalar}: {depth} bytes of stack: {' > '.join(path)}")
+        if os.environ.get("SSV_REFRESH_BUDGETS"):
+            write_budgets(self.figures)
+        budgets, of = read_budgets()
+        if of != compiler():
+            self.skipTest(f"the budgets are for {of}, this is {compiler()}")
+        found = breaches(self.figures, budgets)
+        self.assertEqual(found, [], "\n".join([
+            "", *found, "If that is the price of something worth it, SSV_REFRESH_BUDGETS=1 bash tests/run.sh -R arch.target "
+            f"writes the new figures to {BUDGETS.relative_to(ROOT)}"]))
+
+    def test_a_figure_that_grew_by_more_than_a_twentieth_is_told_with_its_row(self):
+        key = ("m3", "fixed", "planner", "text_bytes")
+        self.assertEqual(breaches({key: 1050}, {key: 1000}), [])
+        self.assertEqual(breaches({key: 1051}, {key: 1000}),
+                         ["m3,fixed,planner,text_bytes: 1051 is 5.1% over its budget of 1000"])
+        self.assertEqual(len(breaches({key: 1}, {})), 1)
+        self.assertEqual(len(breaches({}, {key: 1})), 1)
+
+    def test_no_plan_goes_deeper_into_the_stack_than_the_call_graph_says(self):
+        for (cpu, scalar), image in self.images.items():
+            with self.subTest(cpu=cpu, scalar=scalar):
+                measured = max(int(row["stack_bytes"]) for row in image.plans.values())
+                self.assertLessEqual(measured, image.stacks["ssv_plan"][0] + LONGEST_INTERRUPT)
+                self.assertGreater(measured, image.stacks["ssv_plan"][0] / 2)
+
+    def test_fixed_arithmetic_gives_the_same_bits_on_a_core_without_floating_point(self):
+        lines, _ = target.emulate("m3", self.images["m3", "fixed"].folder / "bin/arithmetic.elf")
         print("Cortex-m3, fixed: operation, hash, mean and most instructions of a call", *lines, sep="\n  ")
-        here = WORK / "arithmetic"
-        run([os.environ["CC"], "-std=c11", "-O2", "-DSSV_REAL_FIXED", f"-I{ROOT}/firmware/include",
-             ROOT / "tests/target/arithmetic.c", ROOT / "firmware/planner/real_fixed.c", "-o", here])
-        self.assertEqual([line.split()[:2] for line in lines], [line.split()[:2] for line in run([here]).splitlines()])
+        here, _ = target.do_here("arithmetic", "fixed")
+        self.assertEqual([line.split()[:2] for line in lines], [line.split()[:2] for line in here])
 
-    def test_the_fixed_archive_holds_no_floating_point(self):
-        archive = build("m3", "fixed") / "firmware/libssv_planner.a"
-        undefined = set(re.findall(r"\bU (\w+)", run(["arm-none-eabi-nm", "-u", archive])))
-        self.assertIn("memset", undefined)
-        floating = r"__aeabi_([fd]|\w+2[fd])|(a?sin|a?cos|a?tan|sqrt|log|exp)"
-        self.assertEqual([name for name in sorted(undefined) if re.match(floating, name)], [])
+    def test_no_archive_needs_a_heap_and_a_fixed_one_no_floating_point_either(self):
+        heap = r"(m|c|re)alloc|free|_sbrk"
+        floating = r"__aeabi_([fd]|\w+2[fd])|(a?sin|a?cos|a?tan|sqrt|log|exp|ldexp|pow|fabs)"
+        for (cpu, scalar), image in self.images.items():
+            with self.subTest(cpu=cpu, scalar=scalar):
+                undefined = set(re.findall(r"\bU (\w+)", run(["arm-none-eabi-nm", "-u", image.archive])))
+                self.assertIn("memset", undefined)
+                unwanted = f"{heap}|{floating}" if scalar == "fixed" else heap
+                self.assertEqual([name for name in sorted(undefined) if re.match(unwanted, name)], [])
 
     def test_a_fault_ends_the_emulator_with_its_own_exit_code(self):
-        folder = build("m3", "fixed")
+        folder = self.images["m3", "fixed"].folder
         source = folder / "fault.c"
         source.write_text("int main(void) { return *(volatile int*)0x90000000; }\n")
         run(["arm-none-eabi-gcc", "-mcpu=cortex-m3", "-mthumb", source, ROOT / "firmware/target/board.c",
              "--specs=rdimon.specs", "-nostartfiles", f"-T{ROOT}/firmware/target/mps2.ld", "-o", folder / "fault.elf"])
-        with self.assertRaisesRegex(AssertionError, "ended with 70"):
-            emulate("m3", folder / "fault.elf")
+        self.assertEqual(target.emulate("m3", folder / "fault.elf"), ([], 70))
 
 
 if __name__ == "__main__":

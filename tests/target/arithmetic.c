@@ -1,16 +1,10 @@
-/// Every operation of the scalar over seeded arguments. Prints a line for each: its name, a hash of all results, and where
-/// there is a board to count them, the mean and the most instructions of a call. The hashes of fixed point are the same
-/// everywhere.
+/// Every operation of the scalar over seeded arguments. Prints a line for each: its name, a hash of all results, the mean and
+/// the most instructions of a call. The hashes of fixed point are the same everywhere.
 #include <inttypes.h>
 #include <stdio.h>
 
-#include "ssv/real.h"
-
-#ifdef __arm__
 #include "board.h"
-#else
-static uint64_t board_instructions(void) { return 0; }
-#endif
+#include "ssv/real.h"
 
 #define COUNT 4000
 #define SEED 20261122u

@@ -1,32 +1,60 @@
-/// Plans the case study in both models and with both methods on the bare core. Prints a line for each: what it is, status,
-/// J, plan hash, instructions, bytes of stack. Exit code 0 if every plan is there, else 1.
+/// Plans the shipped scenarios, each with both methods, then NUM_RANDOM seeded random tasks. Prints a line for each: what it
+/// is, method, status, J, plan hash, instructions, bytes of stack. Exit code 0, or 1 if a task is refused or a shipped scenario
+/// has no plan.
 #include <inttypes.h>
 #include <stdio.h>
 
 #include "board.h"
+#include "shipped.h"
 #include "tasks.h"
 
+#define SEED 20261122u
+#define NUM_RANDOM 60
+
+static const char* word(ssv_status_t status) {
+    return status == SSV_OK ? "ok" : status == SSV_INFEASIBLE ? "infeasible" : "overflow";
+}
+
+// What a planner takes between its calls.
+static ssv_problem_t problem;
+static ssv_plan_t plan;
+
+/// @return what came of it.
+static ssv_status_t try(const char* name, const ssv_scenario_t* scenario) {
+    ssv_fault_t fault;
+    const ssv_status_t checked = ssv_problem_init(&problem, scenario, &fault);
+    if (checked != SSV_OK) {
+        printf("%s: %s: %s\n", name, fault.field, ssv_status_str(checked));
+        return checked;
+    }
+    board_stack_paint();
+    const uint64_t before = board_instructions();
+    const ssv_status_t status = ssv_plan(&problem, &plan);
+    const uint64_t instructions = board_instructions() - before;
+    printf("%s %s %s %.9g %08" PRIx32 "%08" PRIx32 " %.0f %u\n", name,
+           scenario->method == SSV_METHOD_PAPER ? "paper" : "optimal", word(status), real_to_double(plan.quote.cost),
+           (uint32_t)(plan.plan_hash >> 32), (uint32_t)plan.plan_hash, (double)instructions, (unsigned)board_stack_used());
+    return status;
+}
+
 int main(void) {
-    static ssv_problem_t problem;
-    static ssv_plan_t plan;
     int missing = 0;
-    for (int ease = 0; ease < 2; ease++) {
+    for (size_t k = 0; k < sizeof shipped / sizeof *shipped; k++) {
         for (int method = SSV_METHOD_OPTIMAL; method <= SSV_METHOD_PAPER; method++) {
-            ssv_scenario_t scenario = task_case_study(ease == 1);
-            ssv_fault_t fault;
+            ssv_scenario_t scenario = shipped[k].scenario;
             scenario.method = (ssv_method_t)method;
-            scenario.want_candidates = false;
-            if (ssv_problem_init(&problem, &scenario, &fault) != SSV_OK) return 1;
-            board_stack_paint();
-            const uint64_t before = board_instructions();
-            const ssv_status_t status = ssv_plan(&problem, &plan);
-            const uint64_t instructions = board_instructions() - before;
-            printf("%s %s %s %.6f %08" PRIx32 "%08" PRIx32 " %.0f %u\n", ease == 1 ? "ease" : "paper",
-                   method == SSV_METHOD_PAPER ? "paper" : "optimal", status == SSV_OK ? "ok" : "infeasible",
-                   real_to_double(plan.quote.cost), (uint32_t)(plan.plan_hash >> 32), (uint32_t)plan.plan_hash,
-                   (double)instructions, (unsigned)board_stack_used());
-            if (status != SSV_OK) missing++;
+            if (try(shipped[k].name, &scenario) != SSV_OK) missing++;
         }
+    }
+    task_seed(SEED);
+    for (int i = 0; i < NUM_RANDOM; i++) {
+        ssv_scenario_t scenario = task_random();
+        scenario.method = i % 2 == 0 ? SSV_METHOD_OPTIMAL : SSV_METHOD_PAPER;
+        scenario.want_candidates = false;
+        char name[] = "random_00";
+        name[7] = (char)('0' + i / 10);
+        name[8] = (char)('0' + i % 10);
+        if (try(name, &scenario) < SSV_OK) missing++;
     }
     return missing == 0 ? 0 : 1;
 }

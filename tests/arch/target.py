@@ -1,0 +1,136 @@
+"""Images for bare Cortex-M cores: builds them, runs them in the emulator, reads figures from them."""
+import os
+import pathlib
+import re
+import subprocess
+
+from core import CORE, ROOT, SUPPORT, run
+
+CORES = {"m3": "mps2-an385", "m4f": "mps2-an386", "m7": "mps2-an500"}  # and the machine that has it
+PLANNED = ["name", "method", "status", "cost", "hash", "instructions", "stack_bytes"]  # a line of plan.c
+WORK = pathlib.Path(os.environ["SSV_BUILD_DIR"]) / "target"  # kept, so that a second run compiles what changed
+SHIPPED = pathlib.Path(os.environ["SSV_SHIPPED"])
+
+
+def build(cpu, scalar):
+    """Cross compiles everything for a core, in the target's own build type; the folder with images and archive."""
+    folder = WORK / f"{cpu}-{scalar}"
+    run(["cmake", "-S", ROOT, "-B", folder, "-G", os.environ["SSV_GENERATOR"], "-DSSV_BUILD_HOST=OFF",
+         f"--toolchain={ROOT}/firmware/target/arm-none-eabi.cmake", f"-DSSV_CPU={cpu}", f"-DSSV_REAL={scalar}",
+         f"-DSSV_SHIPPED={SHIPPED}"])
+    run(["cmake", "--build", folder, "--parallel", "1"])
+    return folder
+
+
+def printed(command):
+    """The lines that a program prints and the exit code that it ends with."""
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300)
+    return done.stdout.splitlines(), done.returncode
+
+
+def emulate(cpu, image):
+    """Likewise an image."""
+    return printed(["qemu-system-arm", "-M", CORES[cpu], "-nographic", "-monitor", "none", "-serial", "none",
+                    "-semihosting-config", "enable=on,target=native,arg=image", "-icount", "shift=5", "-kernel", image])
+
+
+def do_here(name, scalar):
+    """Likewise tests/target/NAME.c, built for this machine."""
+    program = WORK / f"{name}-{scalar}"
+    WORK.mkdir(parents=True, exist_ok=True)
+    run([os.environ["CC"], "-std=c11", "-O2", "-ffp-contract=off", f"-DSSV_REAL_{scalar.upper()}",
+         f"-I{ROOT}/firmware/include", f"-I{ROOT}/firmware", f"-I{ROOT}/firmware/target", f"-I{SUPPORT}", f"-I{SHIPPED.parent}",
+         *sorted(CORE.glob("*.c")), SUPPORT / "tasks.c", ROOT / f"tests/target/{name}.c", ROOT / "tests/target/no_board.c",
+         "-lm", "-o", program])
+    return printed([program])
+
+
+def planned(lines):
+    """{(name, method): {field: text}} of what plan.c prints."""
+    rows = [dict(zip(PLANNED, line.split(), strict=True)) for line in lines]
+    return {(row["name"], row["method"]): row for row in rows}
+
+
+def symbols(file):
+    """{name: bytes} of the objects and functions in an image or archive."""
+    return {name: int(size, 16) for size, name in
+            re.findall(r"^[0-9a-f]+ ([0-9a-f]+) \w (\S+)$", run(["arm-none-eabi-nm", "-S", file]), re.M)}
+
+
+def sections(archive):
+    """Bytes of text (constants included), data and bss."""
+    return [int(n) for n in run(["arm-none-eabi-size", "-t", archive]).splitlines()[-1].split()[:3]]
+
+
+# ---- Stack --------------------------------------------------------------------------------------------------------------
+
+def count_registers(words):
+    """How many words a register list stands for: "r4-r7, lr" is 5, "d8-d9" is 4."""
+    count = 0
+    for word in words.split(","):
+        first, _, last = word.strip().partition("-")
+        number = 1 if not last else int(last[1:]) - int(first[1:]) + 1
+        count += number * (2 if first.startswith("d") else 1)
+    return count
+
+
+def pushed_bytes(mnemonic, operands):
+    """By how much an instruction lets the stack grow. A growth that is not a constant is an error."""
+    base = mnemonic.split(".")[0]
+    if base in ("push", "vpush") or (base in ("stmdb", "vstmdb") and operands.startswith("sp!")):
+        return 4 * count_registers(operands[operands.index("{") + 1:operands.index("}")])
+    written_back = re.search(r"\[sp, #-(\d+)\]!", operands)
+    if written_back:
+        return int(written_back[1])
+    if base in ("sub", "subs", "subw") and operands.startswith("sp,"):
+        return int(re.fullmatch(r"sp,(?: sp,)? #(\d+)", operands)[1])
+    return 0
+
+
+def disassembled(image):
+    """{function's address: (name, bytes of its frame, {addresses it goes to}, whether it goes to one that only running tells)}.
+    A frame is the sum of all that its instructions push, so none is too small."""
+    text = run(["arm-none-eabi-objdump", "-d", "--no-show-raw-insn", image])
+    names = {int(address, 16): name for address, name in re.findall(r"^([0-9a-f]+) <(\S+)>:$", text, re.M)}
+    functions, here = {}, None
+    for line in text.splitlines():
+        head = re.match(r"([0-9a-f]+) <(\S+)>:$", line)
+        if head:
+            here = int(head[1], 16)
+            functions[here] = [head[2], 0, set(), False]
+            continue
+        code = re.match(r"\s*[0-9a-f]+:\t(\S+)\t([^;@]*)", line)
+        if not code:
+            continue
+        mnemonic, operands = code[1], code[2].strip()
+        functions[here][1] += pushed_bytes(mnemonic, operands)
+        jump = re.match(r"([0-9a-f]+) <([^>+]+)(?:\+0x([0-9a-f]+))?>$", operands)
+        if mnemonic.startswith("b") and jump:
+            target = int(jump[1], 16) - int(jump[3] or "0", 16)
+            if target != here or mnemonic == "bl":
+                functions[here][2].add(target)
+        elif re.match(r"blx?\b|bx\b", mnemonic) and operands != "lr":
+            functions[here][3] = True
+    for function in functions.values():
+        function[2] &= names.keys()
+    return functions
+
+
+def deepest(functions, name):
+    """Bytes of stack that a call of the function can take, and the path there, by the call graph of an image."""
+    known = {}
+
+    def depth(address):
+        if address not in known:
+            label, frame, callees, unknown = functions[address]
+            if unknown:
+                raise AssertionError(f"{label} calls through a pointer: no telling how deep the stack goes")
+            known[address] = None
+            below = [depth(callee) for callee in sorted(callees)]
+            if None in below:
+                raise AssertionError(f"{label} comes to call itself: no telling how deep the stack goes")
+            bytes_below, path = max(below, default=(0, []))
+            known[address] = frame + bytes_below, [f"{label} {frame}", *path]
+        return known[address]
+
+    return depth(next(address for address, function in functions.items() if function[0] == name))
