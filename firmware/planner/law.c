@@ -11,12 +11,20 @@
 // Longer than any leg may take.
 #define FOR_EVER_S REAL(1e6)
 
-// The same quadratic times 2^n, so that neither its discriminant overflows nor small coefficients lose their digits. @return n.
-static int scale(const real_t c[3], real_t scaled[3]) {
-    const real_t largest = real_max(real_abs(c[0]), real_max(real_abs(c[1]), real_abs(c[2])));
-    const int n = real_exponent(SCALED) - real_exponent(largest);
-    for (int k = 0; k < 3; k++) scaled[k] = real_scale(c[k], n);
-    return n;
+// A law as the closed forms need it: times 2^n, so that neither its discriminant overflows nor small coefficients lose their
+// digits; and the root of the discriminant's size.
+typedef struct {
+    real_t c[3], disc, root;
+    int n;
+} scaled_t;
+
+static scaled_t scale(const real_t c[3]) {
+    scaled_t s;
+    s.n = real_exponent(SCALED) - real_exponent(real_max(real_abs(c[0]), real_max(real_abs(c[1]), real_abs(c[2]))));
+    for (int k = 0; k < 3; k++) s.c[k] = real_scale(c[k], s.n);
+    s.disc = real_sq(s.c[1]) - real_mul(REAL(4), real_mul(s.c[0], s.c[2]));
+    s.root = real_sqrt(real_abs(s.disc));
+    return s;
 }
 
 // a / b, or far if that is larger in size.
@@ -26,12 +34,10 @@ static real_t div_up_to(real_t a, real_t b, real_t far) {
     return real_abs(ratio) < far ? ratio : far;
 }
 
-bool ssv_quadratic_roots(const real_t unscaled[3], real_t far, real_t root[2]) {
-    real_t c[3];
-    (void)scale(unscaled, c);
-    const real_t disc = real_sq(c[1]) - real_mul(REAL(4), real_mul(c[0], c[2]));
-    if (disc < REAL(0)) return false;
-    const real_t q = real_mul(REAL(-0.5), c[1] + (c[1] < REAL(0) ? -real_sqrt(disc) : real_sqrt(disc)));
+static bool roots_of(const scaled_t* s, real_t far, real_t root[2]) {
+    const real_t* c = s->c;
+    if (s->disc < REAL(0)) return false;
+    const real_t q = real_mul(REAL(-0.5), c[1] + (c[1] < REAL(0) ? -s->root : s->root));
     if (q == REAL(0)) {
         if (c[2] == REAL(0)) return false;
         root[0] = root[1] = REAL(0);
@@ -43,7 +49,17 @@ bool ssv_quadratic_roots(const real_t unscaled[3], real_t far, real_t root[2]) {
     return true;
 }
 
+bool ssv_quadratic_roots(const real_t c[3], real_t far, real_t root[2]) {
+    const scaled_t s = scale(c);
+    return roots_of(&s, far, root);
+}
+
 real_t ssv_quadratic_root_after(const real_t c[3], real_t from, real_t to) {
+    // One sign at both ends, and no turning point in between: most calls end here.
+    const real_t a = ssv_quadratic_at(c, from), b = ssv_quadratic_at(c, to), twice = real_mul(REAL(2), c[2]);
+    const real_t slope_a = c[1] + real_mul(twice, from), slope_b = c[1] + real_mul(twice, to);
+    const bool one_sign = (a > REAL(0) && b > REAL(0)) || (a < REAL(0) && b < REAL(0));
+    if (one_sign && ((slope_a >= REAL(0)) == (slope_b >= REAL(0)))) return to;
     real_t root[2];
     if (!ssv_quadratic_roots(c, real_mul(REAL(2), to), root)) return to;
     if (root[0] > from && root[0] < to) return root[0];
@@ -72,65 +88,53 @@ static ssv_moments_t moments_by_quadrature(const real_t law[3], real_t v_from, r
 
 // Time from dv/dt = Q(v): with tau = dv / (2 Q_a + Q_a' dv) and d the discriminant, t = 2 atanh(sqrt(d) tau) / sqrt(d), or
 // the arc tangent where d < 0. No case of it cancels: 1 - d tau^2 = 4 Q_a Q_b / (2 Q_a + Q_a' dv)^2 exactly.
-static real_t law_time(const real_t unscaled[3], real_t v_from, real_t v_to) {
-    real_t law[3];
-    const int n = scale(unscaled, law);
+static real_t law_time(const scaled_t* s, real_t v_from, real_t v_to) {
+    const real_t* law = s->c;
     const real_t dv = v_to - v_from;
     const real_t Q_a = ssv_quadratic_at(law, v_from), Q_b = ssv_quadratic_at(law, v_to);
     const real_t den = real_mul(REAL(2), Q_a) + real_mul(law[1] + real_mul(REAL(2), real_mul(law[2], v_from)), dv);
-    const real_t disc = real_sq(law[1]) - real_mul(REAL(4), real_mul(law[0], law[2]));
-    const real_t root = real_sqrt(real_abs(disc));
-    if (disc < REAL(0)) {
+    if (s->disc < REAL(0)) {
         const real_t sign = Q_a < REAL(0) ? REAL(-1) : REAL(1);
-        const real_t angle = real_atan2(real_mul(sign, real_mul(root, dv)), real_mul(sign, den));
-        return real_scale(real_div(real_mul(REAL(2), angle), root), n);
+        const real_t angle = real_atan2(real_mul(sign, real_mul(s->root, dv)), real_mul(sign, den));
+        return real_scale(real_div(real_mul(REAL(2), angle), s->root), s->n);
     }
-    const real_t x = real_abs(real_div(real_mul(root, dv), den));
-    if (x < REAL(1e-8)) return real_scale(real_div(real_mul(REAL(2), dv), den), n);
+    const real_t x = real_abs(real_div(real_mul(s->root, dv), den));
+    if (x < REAL(1e-8)) return real_scale(real_div(real_mul(REAL(2), dv), den), s->n);
     const real_t one_minus_x2 = real_mul(real_mul(REAL(4), real_div(Q_a, den)), real_div(Q_b, den));
     if (one_minus_x2 <= REAL(0)) return FOR_EVER_S; // dv/dt is zero at one end: only approached
-    const real_t t = real_div(real_mul(REAL(2), real_log1p(x)) - real_log1p(one_minus_x2 - REAL(1)), root);
-    return real_scale((dv < REAL(0)) == (Q_a < REAL(0)) ? t : -t, n); // a ramp is measured from rest, also against time
+    // 2 atanh x = log1p(2 x (1 + x) / (1 - x^2))
+    const real_t t = real_div(real_log1p(real_div(real_mul(real_mul(REAL(2), x), REAL(1) + x), one_minus_x2)), s->root);
+    return real_scale((dv < REAL(0)) == (Q_a < REAL(0)) ? t : -t, s->n); // a ramp is measured from rest, also against time
 }
 
-// log(1 + y) / y and its first moment, both smooth at y = 0.
-static real_t log1p_over(real_t y) {
-    return real_abs(y) < REAL(1e-5) ? REAL(1) - real_mul(y, REAL(0.5) - real_div(y, REAL(3))) : real_div(real_log1p(y), y);
-}
-
-static real_t log1p_moment(real_t y) {
-    if (real_abs(y) > REAL(1e-2)) return real_div(REAL(1) - log1p_over(y), y);
-    real_t sum = REAL(0), power = REAL(1); // 1/2 - y/3 + y^2/4 - ...
-    for (int n = 2; n < 10; n++) {
-        sum += real_div(power, real_from_int(n));
-        power = real_mul(power, -y);
+// log(1 + y) / y = 1 - y/2 + y^2/3 - ..., and its first moment 1/2 - y/3 + y^2/4 - ..., both smooth at y = 0.
+static real_t log1p_over(real_t y, real_t* moment) {
+    static const real_t over[] = {REAL(0.5),     REAL(1.0 / 3), REAL(0.25),    REAL(0.2), REAL(1.0 / 6),
+                                  REAL(1.0 / 7), REAL(0.125),   REAL(1.0 / 9), REAL(0.1)};
+    if (real_abs(y) > REAL(1e-2)) {
+        const real_t one = real_div(real_log1p(y), y);
+        *moment = real_div(REAL(1) - one, y);
+        return one;
     }
-    return sum;
+    real_t sum = REAL(0);
+    for (int k = (int)(sizeof over / sizeof *over) - 1; k >= 0; k--) sum = over[k] - real_mul(y, sum);
+    *moment = sum;
+    return REAL(1) - real_mul(y, sum);
 }
 
-ssv_moments_t ssv_law_moments(const real_t law[3], real_t v_from, real_t v_to, real_t time) {
+static ssv_moments_t moments(const scaled_t* s, const real_t law[3], real_t v_from, real_t v_to, real_t time) {
     const real_t dv = v_to - v_from;
-    ssv_moments_t m = {time, real_mul(time, v_from), real_mul(time, real_sq(v_from))};
-    if (dv == REAL(0)) return m;
-    if (is_short(law, v_from, v_to)) {
-        // Close to a terminal speed only the ratios of the sums are good.
-        const ssv_moments_t sum = moments_by_quadrature(law, v_from, v_to);
-        if (sum.time == REAL(0)) return m;
-        m.distance = real_mul(time, real_div(sum.distance, sum.time));
-        m.speed2 = real_mul(time, real_div(sum.speed2, sum.time));
-        return m;
-    }
+    ssv_moments_t m = {time, REAL(0), REAL(0)};
     real_t root[2];
-    const real_t far = real_mul(FAR_ROOT, real_max(v_from, v_to));
-    if (ssv_quadratic_roots(law, far, root)) {
+    if (roots_of(s, real_mul(FAR_ROOT, real_max(v_from, v_to)), root)) {
         // Q = (v - v_t) q(v) with v_t the nearer root: v / Q = v_t / Q + 1 / q and v^2 / Q = v_t^2 / Q + (v + v_t) / q.
         const real_t mid = real_mul(REAL(0.5), v_from + v_to);
         const real_t v_t = real_abs(root[0] - mid) < real_abs(root[1] - mid) ? root[0] : root[1];
-        const real_t q = law[1] + real_mul(law[2], v_from + v_t);
-        const real_t y = real_div(real_mul(law[2], dv), q), x = real_div(dv, q);
-        const real_t one = real_mul(x, log1p_over(y));
+        const real_t q = law[1] + real_mul(law[2], v_from + v_t), x = real_div(dv, q);
+        real_t moment;
+        const real_t one = real_mul(x, log1p_over(real_mul(law[2], x), &moment));
         m.distance = real_mul(v_t, time) + one;
-        m.speed2 = real_mul(real_sq(v_t), time) + real_mul(v_from + v_t, one) + real_mul(real_mul(dv, x), log1p_moment(y));
+        m.speed2 = real_mul(real_sq(v_t), time) + real_mul(v_from + v_t, one) + real_mul(real_mul(dv, x), moment);
         return m;
     }
     const real_t Q_a = ssv_quadratic_at(law, v_from);
@@ -141,27 +145,39 @@ ssv_moments_t ssv_law_moments(const real_t law[3], real_t v_from, real_t v_to, r
     return m;
 }
 
+ssv_moments_t ssv_law_moments(const real_t law[3], real_t v_from, real_t v_to, real_t time) {
+    if (v_from == v_to) return (ssv_moments_t){time, real_mul(time, v_from), real_mul(time, real_sq(v_from))};
+    if (is_short(law, v_from, v_to)) {
+        // Close to a terminal speed only the ratios of the sums are good.
+        const ssv_moments_t sum = moments_by_quadrature(law, v_from, v_to);
+        if (sum.time == REAL(0)) return (ssv_moments_t){time, real_mul(time, v_from), real_mul(time, real_sq(v_from))};
+        const real_t distance = real_mul(time, real_div(sum.distance, sum.time));
+        return (ssv_moments_t){time, distance, real_mul(time, real_div(sum.speed2, sum.time))};
+    }
+    const scaled_t s = scale(law);
+    return moments(&s, law, v_from, v_to, time);
+}
+
 ssv_moments_t ssv_law_integrals(const real_t law[3], real_t v_from, real_t v_to) {
     if (v_from == v_to) return (ssv_moments_t){REAL(0), REAL(0), REAL(0)};
     if (is_short(law, v_from, v_to)) return moments_by_quadrature(law, v_from, v_to);
-    return ssv_law_moments(law, v_from, v_to, law_time(law, v_from, v_to));
+    const scaled_t s = scale(law);
+    return moments(&s, law, v_from, v_to, law_time(&s, v_from, v_to));
 }
 
-real_t ssv_law_speed(const real_t unscaled[3], real_t v_from, real_t unscaled_t) {
-    real_t law[3];
-    const real_t t = real_scale(unscaled_t, -scale(unscaled, law));
-    const real_t Q = ssv_quadratic_at(law, v_from);
-    const real_t slope = law[1] + real_mul(REAL(2), real_mul(law[2], v_from));
-    const real_t disc = real_sq(law[1]) - real_mul(REAL(4), real_mul(law[0], law[2]));
-    const real_t root = real_sqrt(real_abs(disc));
-    const real_t x = real_mul(REAL(0.5), real_mul(root, real_abs(t)));
+real_t ssv_law_speed(const real_t law[3], real_t v_from, real_t time) {
+    const scaled_t s = scale(law);
+    const real_t t = real_scale(time, -s.n);
+    const real_t Q = ssv_quadratic_at(s.c, v_from);
+    const real_t slope = s.c[1] + real_mul(REAL(2), real_mul(s.c[2], v_from));
+    const real_t x = real_mul(REAL(0.5), real_mul(s.root, real_abs(t)));
     real_t tau = real_mul(REAL(0.5), real_abs(t)); // tanh(x) / root, tan(x) / root
     if (x > REAL(1e-8)) {
-        if (disc < REAL(0)) {
-            tau = real_div(real_tan(x), root);
+        if (s.disc < REAL(0)) {
+            tau = real_div(real_tan(x), s.root);
         } else {
             const real_t e = real_expm1(real_mul(REAL(-2), x));
-            tau = real_div(-e, real_mul(REAL(2) + e, root));
+            tau = real_div(-e, real_mul(REAL(2) + e, s.root));
         }
     }
     if (t < REAL(0)) tau = -tau;

@@ -102,16 +102,18 @@ static real_t cruise_at(leg_t* leg, real_t peak, real_t a[2]) {
     return leg->distance - ssv_ramp_reach(laws, &leg->up, peak, &a[0]) - ssv_ramp_reach(laws, &leg->slow, peak, &a[1]);
 }
 
-// Peak at which both ramps take the distance, to within PEAK_TOLERANCE of it: safeguarded Newton, from where it would be without
-// drag; the sum of the reaches is increasing in v.
+// Peak at which both ramps take the distance, to within PEAK_TOLERANCE of it: safeguarded Newton on the root of the distance
+// covered, which would be linear in v without drag; the sum of the reaches is increasing in v.
 static void meet(leg_t* leg, real_t top) {
     real_t low = REAL(0), high = top, v = REAL(0), a[2];
     leg->cruise = cruise_at(leg, v, a);
     for (int n = 0; n < MAX_NEWTON; n++) {
         // 1 / (1 / a[0] + 1 / a[1]), the acceleration of both ramps together
         const real_t both = real_mul(a[0], real_div(a[1], a[0] + a[1]));
+        const real_t covered = leg->distance - leg->cruise;
+        const real_t root = n == 0 ? REAL(0) : real_sqrt(real_div(leg->distance, covered));
         const real_t newton = n == 0 ? real_sqrt(real_mul(REAL(2), real_mul(leg->distance, both)))
-                                     : v + real_mul(leg->cruise, real_div(both, v));
+                                     : v + real_mul(real_mul(REAL(2), real_mul(root - REAL(1), covered)), real_div(both, v));
         v = newton > low && newton < high ? newton : real_mul(REAL(0.5), low + high);
         leg->cruise = cruise_at(leg, v, a);
         if (real_abs(leg->cruise) <= real_mul(PEAK_TOLERANCE, leg->distance)) break;
@@ -126,17 +128,16 @@ static void meet(leg_t* leg, real_t top) {
 static ssv_outcome_t solve_paper(leg_t* leg, ssv_ramp_t ramp) {
     const ssv_laws_t* laws = &leg->steering.laws;
     const real_t top = leg->top, reverse_from = ramp == SSV_DRAG_ONLY ? real_min(leg->cutoff, top) : top;
-    ssv_steering_up_to(&leg->steering, top);
-    restart(&leg->up);
     restart(&leg->slow);
-    if (!extend(leg, SSV_SPEED_UP, top, &leg->up) || !extend(leg, SSV_BRAKE, reverse_from, &leg->slow) ||
-        !extend(leg, SSV_COAST, top, &leg->slow)) {
-        return SSV_TOO_MANY_PIECES;
+    if (leg->up.num == 0) {
+        ssv_steering_up_to(&leg->steering, top);
+        if (!extend(leg, SSV_SPEED_UP, top, &leg->up)) return SSV_TOO_MANY_PIECES;
+        ssv_ramp_measure(laws, &leg->up);
     }
+    if (!extend(leg, SSV_BRAKE, reverse_from, &leg->slow) || !extend(leg, SSV_COAST, top, &leg->slow)) return SSV_TOO_MANY_PIECES;
     ssv_ramp_keep_slowing(laws, &leg->slow);
     const real_t highest = ssv_ramp_top(&leg->slow);
     if (highest < top && highest <= reverse_from) return SSV_NO_AUTHORITY;
-    ssv_ramp_measure(laws, &leg->up);
     ssv_ramp_measure(laws, &leg->slow);
     real_t a[2];
     leg->peak = highest;
@@ -236,8 +237,6 @@ static ssv_outcome_t solve(leg_t* leg, ssv_ramp_t ramp) {
     const bool thrifty = ramp == SSV_OPTIMAL && leg->steering.weight_impulse > REAL(0);
     const ssv_outcome_t outcome = thrifty ? solve_optimal(leg) : solve_paper(leg, ramp);
     if (outcome != SSV_FEASIBLE) return outcome;
-    ssv_ramp_cut(&leg->up);
-    ssv_ramp_cut(&leg->slow);
     if (leg->cruise < real_mul(real_mul(REAL(2), PEAK_TOLERANCE), leg->distance)) leg->cruise = REAL(0);
     return SSV_FEASIBLE;
 }
@@ -284,19 +283,19 @@ typedef struct {
     bool falls;
 } part_t;
 
-static int num_parts(const leg_t* leg) { return leg->up.num + (leg->cruise > REAL(0) ? 1 : 0) + leg->slow.num; }
+static int num_parts(const leg_t* leg) { return leg->up.last + 1 + (leg->cruise > REAL(0) ? 1 : 0) + leg->slow.last + 1; }
 
 static part_t part_at(const leg_t* leg, int n) {
     part_t part = {{REAL(0), REAL(0), REAL(0)}, REAL(0), {leg->peak, leg->peak, {REAL(0), REAL(0), REAL(0)}, 0}, false};
     const int back = num_parts(leg) - 1 - n; // the slow ramp backwards
-    part.falls = back < leg->slow.num;
-    if (n >= leg->up.num && !part.falls) {
+    part.falls = back <= leg->slow.last;
+    if (n > leg->up.last && !part.falls) {
         const real_t time = real_div(leg->cruise, leg->peak);
         part.stretch.m = (ssv_moments_t){time, leg->cruise, real_mul(leg->cruise, leg->peak)};
         part.impulse = real_mul(time, ssv_holding_thrust(&leg->thrusts, leg->peak));
         return part;
     }
-    part.stretch = part.falls ? *ssv_ramp_stretch(&leg->slow, back) : *ssv_ramp_stretch(&leg->up, n);
+    part.stretch = part.falls ? *ssv_ramp_up_to_cut(&leg->slow, back) : *ssv_ramp_up_to_cut(&leg->up, n);
     ssv_ramp_law(&leg->steering.laws, part.stretch.law, part.law);
     part.impulse = impulse(leg, part.law, &part.stretch);
     return part;

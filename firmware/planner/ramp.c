@@ -232,15 +232,11 @@ real_t ssv_ramp_reach(const ssv_laws_t* laws, ssv_ramp_table_t* ramp, real_t v, 
     const ssv_stretch_t* stretch = ssv_ramp_stretch(ramp, k);
     ssv_ramp_law(laws, stretch->law, c);
     *acceleration = real_abs(ssv_quadratic_at(c, v));
-    ramp->cut.stretch = k;
-    ramp->cut.v = v;
-    ramp->cut.m = v == stretch->v_high ? stretch->m : ssv_ramp_integrals(c, stretch->v_low, v);
+    ramp->last = k;
+    ramp->cut = *stretch;
+    if (v != stretch->v_high) {
+        ramp->cut.v_high = v;
+        ramp->cut.m = ssv_ramp_integrals(c, stretch->v_low, v);
+    }
     return reach + ramp->cut.m.distance;
-}
-
-void ssv_ramp_cut(ssv_ramp_table_t* ramp) {
-    ssv_stretch_t* stretch = ssv_ramp_stretch(ramp, ramp->cut.stretch);
-    ramp->num = ramp->cut.stretch + 1;
-    stretch->v_high = ramp->cut.v;
-    stretch->m = ramp->cut.m;
 }

@@ -31,11 +31,8 @@ typedef struct {
 typedef struct {
     ssv_stretch_t* first;
     int step, num;
-    struct {
-        int stretch;
-        ssv_moments_t m;
-        real_t v;
-    } cut;                             ///< where it was last looked at
+    int last;                          ///< where it was last looked at: the stretch,
+    ssv_stretch_t cut;                 ///< and that up to there
 } ssv_ramp_table_t;
 
 static inline ssv_stretch_t* ssv_ramp_stretch(const ssv_ramp_table_t* ramp, int k) { return ramp->first + k * ramp->step; }
@@ -60,10 +57,12 @@ ssv_moments_t ssv_ramp_integrals(const real_t law[3], real_t v_low, real_t v_hig
 /// Fills the integrals of all stretches.
 void ssv_ramp_measure(const ssv_laws_t* laws, ssv_ramp_table_t* ramp);
 
-/// Distance from rest to v, and |dv/dt| there; keeps the cut.
+/// Distance from rest to v, and |dv/dt| there; keeps the cut there.
 real_t ssv_ramp_reach(const ssv_laws_t* laws, ssv_ramp_table_t* ramp, real_t v, real_t* acceleration);
 
-/// Ends the ramp where ssv_ramp_reach last looked.
-void ssv_ramp_cut(ssv_ramp_table_t* ramp);
+/// Stretch k <= ramp->last of the ramp as far as ssv_ramp_reach last looked.
+static inline const ssv_stretch_t* ssv_ramp_up_to_cut(const ssv_ramp_table_t* ramp, int k) {
+    return k == ramp->last ? &ramp->cut : ssv_ramp_stretch(ramp, k);
+}
 
 #endif

@@ -4,7 +4,7 @@
 // A thruster with a smaller share of the largest acceleration than this holds drag alone.
 #define WEAK real_max(REAL(1e-11), 1024 * REAL_NOISE)
 // Thrusters whose laws agree this closely are one.
-#define SAME real_max(REAL(1e-13), 4 * REAL_NOISE)
+#define SAME real_max(REAL(1e-10), 4 * REAL_NOISE)
 // A price counts as holding the peak down to no less than 2 to minus half this power of what inertia allows.
 #define SLOWEST 6
 
@@ -46,10 +46,7 @@ bool ssv_laws_of(const ssv_thrusts_t* t, ssv_laws_t* laws) {
         const real_t limit = real_div(t->force_max_N, real_abs(A));
         const real_t linear = -real_div(t->linear[i], A), quadratic = -real_div(t->quadratic[i], A);
         int k = 0;
-        while (k < laws->num &&
-               !(same(laws->limit[k], limit) && same(laws->linear[k], linear) && same(laws->quadratic[k], quadratic))) {
-            k++;
-        }
+        while (k < laws->num && !(same(laws->linear[k], linear) && same(laws->quadratic[k], quadratic))) k++;
         if (k == laws->num) {
             laws->weight[k] = REAL(0);
             laws->limit[k] = limit;
@@ -58,6 +55,7 @@ bool ssv_laws_of(const ssv_thrusts_t* t, ssv_laws_t* laws) {
             laws->num++;
         }
         laws->weight[k] += real_abs(A);
+        laws->limit[k] = real_min(laws->limit[k], limit);
         laws->total += real_abs(A);
     }
     return laws->num > 0;

@@ -25,8 +25,8 @@ typedef struct {
 bool ssv_thrusts_scale(const ssv_thrusts_t* thrusts, real_t weight_time_per_s, real_t weight_impulse_per_Ns, real_t distance,
                        ssv_units_t* units, ssv_thrusts_t* scaled);
 
-/// What a thruster makes of dv/dt: idle (without its thrust) linear v + quadratic v^2, at its limit that +- limit. Thrusters with
-/// the same laws count as one; those that hardly act along the leg hold drag alone.
+/// What a thruster makes of dv/dt: idle (without its thrust) linear v + quadratic v^2, at its limit that +- limit. Thrusters
+/// that idle alike count as one, with the tightest of their limits; those that hardly act along the leg hold drag alone.
 typedef struct {
     int num;
     real_t weight[SSV_NUM_THRUSTERS]; ///< sum of |accel|: total thrust changes by that much per unit of dv/dt
