@@ -4,6 +4,11 @@
 
 // Shorter moves are rounding of the geometry, not motion: a hundredth of a micrometre, or of a microradian.
 #define LENGTH_MIN real_max(REAL(1e-8), 16 * REAL_NOISE)
+// A turn whose pivot is farther away than this is rather a flight; one in which S moves less than this per radian is a turn.
+#define FAR_PIVOT_M REAL(10)
+#define MATTERS_M REAL(0.01)
+// Below this angle three terms of the sine and cosine are as good as all.
+#define SMALL_RAD REAL(1e-3)
 // A thrust coefficient smaller than this fraction of its neighbours is rounding of the allocation.
 #define COEFFICIENT_MIN real_max(REAL(9.3132257461547852e-10), 16 * REAL_NOISE)
 
@@ -34,24 +39,31 @@ ssv_move_t ssv_move_between(ssv_phase_t phase, pose_t X_IS_from, pose_t X_IS_to)
     const vec3_t e = vec3_scale(sign, vec3(X.q.x, X.q.y, X.q.z));
     const real_t sine = vec3_norm(e), half = real_atan2(sine, real_abs(X.q.w)), angle = real_mul(REAL(2), half);
     if (angle < LENGTH_MIN) return ssv_move_translate(phase, X.p);
-    // The inverse of p = (s + (1 - cos s) [w] + (s - sin s) [w]^2) v.
+    // Angle times the inverse of p = (s + (1 - cos s) [w] + (s - sin s) [w]^2) v: how far S moves, in its own axes.
     const vec3_t w = vec3_unit(e), wp = vec3_cross(w, X.p);
-    const real_t bend = real_div(REAL(1) - real_div(real_mul(half, real_abs(X.q.w)), sine), angle);
-    const vec3_t v = vec3_add(vec3_scale(real_div(REAL(1), angle), X.p),
-                              vec3_add(vec3_scale(REAL(-0.5), wp), vec3_scale(bend, vec3_cross(w, wp))));
-    const bool pitched = real_abs(vec3_dot(v, w)) > LENGTH_MIN;
-    return (ssv_move_t){phase, pitched ? SSV_SCREW : SSV_TURN, {v, w}, angle};
+    const real_t bend = REAL(1) - real_div(real_mul(half, real_abs(X.q.w)), sine);
+    const vec3_t path = vec3_add(X.p, vec3_add(vec3_scale(-half, wp), vec3_scale(bend, vec3_cross(w, wp))));
+    const real_t arc = vec3_norm(path), shift = real_abs(vec3_dot(path, w));
+    const bool pitched = shift > real_mul(LENGTH_MIN, angle) && arc > real_mul(MATTERS_M, angle);
+    if (pitched || arc > real_mul(FAR_PIVOT_M, angle)) {
+        return (ssv_move_t){phase, SSV_SCREW, {vec3_unit(path), vec3_scale(real_div(angle, arc), w)}, arc};
+    }
+    return (ssv_move_t){phase, SSV_TURN, {vec3_scale(real_div(REAL(1), angle), path), w}, angle};
 }
 
 pose_t ssv_move_pose(pose_t X_IS, ssv_twist_t twist, real_t s) {
-    const vec3_t w = twist.w;
-    pose_t X = {vec3_scale(s, twist.v), quat_identity()};
-    const real_t rate = vec3_norm(w);
+    const real_t rate = vec3_norm(twist.w), angle = real_mul(s, rate);
+    const vec3_t moved = vec3_scale(s, twist.v);
+    pose_t X = {moved, quat_identity()};
     if (rate > REAL(0)) {
-        // Rodrigues: p = (s + (1 - cos s) [w] + (s - sin s) [w]^2) v for |w| = 1.
-        const vec3_t wv = vec3_cross(w, twist.v);
-        X.p = vec3_add(X.p, vec3_add(vec3_scale(REAL(1) - real_cos(s), wv), vec3_scale(s - real_sin(s), vec3_cross(w, wv))));
-        X.q = quat_from_axis_angle(w, s);
+        // Rodrigues: p = (a + (1 - cos a) [w] + (a - sin a) [w]^2) v s / a for |w| = 1; as a series while a is small.
+        const vec3_t w = vec3_scale(real_div(REAL(1), rate), twist.w);
+        const vec3_t across = vec3_cross(w, moved), back = vec3_cross(w, across);
+        const bool small = angle < SMALL_RAD;
+        const real_t c = small ? real_mul(REAL(0.5), angle) : real_div(REAL(1) - real_cos(angle), angle);
+        const real_t d = small ? real_mul(REAL(1.0 / 6), real_sq(angle)) : REAL(1) - real_div(real_sin(angle), angle);
+        X.p = vec3_add(moved, vec3_add(vec3_scale(c, across), vec3_scale(d, back)));
+        X.q = quat_from_axis_angle(w, angle);
     }
     return pose_mul(X_IS, X);
 }

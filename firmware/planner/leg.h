@@ -5,7 +5,7 @@
 #include "planner/body.h"
 #include "planner/profile.h"
 
-/// Where a leg goes. Distances are in m for SSV_TRANSLATE, else in rad.
+/// Where a leg goes. Distances are in rad for SSV_TURN, else in m.
 typedef struct {
     ssv_phase_t phase;
     ssv_leg_kind_t kind;

@@ -304,24 +304,19 @@ static part_t part_at(const leg_t* leg, int n) {
 // Longest time in a leg's units, as a power of two, that SI units can hold.
 #define LONGEST_EXPONENT 24
 
-// Adds the part to the price, and as a piece to the profile unless that is NULL.
-static void append(const leg_t* leg, const part_t* part, ssv_profile_price_t* price, ssv_profile_t* profile) {
+// Adds the part to the price, and as a piece to the profile unless that is NULL; it begins at `from` in the leg's units.
+static void append(const leg_t* leg, const part_t* part, real_t from, ssv_profile_price_t* price, ssv_profile_t* profile) {
     const ssv_units_t* unit = &leg->unit;
     const real_t low = real_scale(part->stretch.v_low, unit->speed), high = real_scale(part->stretch.v_high, unit->speed);
     const real_t duration_s = real_scale(part->stretch.m.time, unit->time);
     if (profile != NULL) {
-        ssv_piece_t* piece = &profile->piece[profile->num_pieces];
-        const ssv_piece_t* before = piece - 1;
+        ssv_piece_t* piece = &profile->piece[profile->num_pieces++];
         *piece = (ssv_piece_t){.t_s = price->duration_s,
                                .duration_s = duration_s,
+                               .s = real_scale(from, unit->length),
                                .v_start = part->falls ? high : low,
                                .v_end = part->falls ? low : high};
         for (int n = 0; n < 3; n++) piece->law[n] = real_scale(part->law[n], unit->speed - unit->time - n * unit->speed);
-        if (profile->num_pieces > 0) {
-            const ssv_moments_t m = ssv_piece_moments(before, before->v_start, before->v_end, before->duration_s);
-            piece->s = before->s + m.distance;
-        }
-        profile->num_pieces++;
     }
     price->duration_s += duration_s;
     price->impulse_Ns += real_scale(part->impulse, unit->time + unit->force);
@@ -331,10 +326,12 @@ static ssv_profile_price_t finish(leg_t* leg, ssv_outcome_t outcome, ssv_profile
     ssv_profile_price_t price = {outcome, REAL(0), REAL(0), REAL(0)};
     if (outcome != SSV_FEASIBLE) return price;
     price.peak_speed = real_scale(leg->peak, leg->unit.speed);
+    real_t from = REAL(0);
     for (int n = 0; n < num_parts(leg); n++) {
         const part_t part = part_at(leg, n);
         price.outcome = real_exponent(part.stretch.m.time) + leg->unit.time > LONGEST_EXPONENT ? SSV_TOO_LONG : SSV_FEASIBLE;
-        if (price.outcome == SSV_FEASIBLE) append(leg, &part, &price, profile);
+        if (price.outcome == SSV_FEASIBLE) append(leg, &part, from, &price, profile);
+        from += part.stretch.m.distance;
         if (price.duration_s > SSV_DURATION_MAX_S) price.outcome = SSV_TOO_LONG;
         if (price.outcome != SSV_FEASIBLE) break;
     }

@@ -9,8 +9,8 @@
 // The next knot lies at least this fraction of the top speed beyond the last; a law found out of place in between is so by
 // rounding only.
 #define PROBE real_max(REAL(9.3132257461547852e-10), 16 * REAL_NOISE)
-// Where two laws are equally good to the thrifty rules, which is better beyond is looked at so far beyond, as a fraction of the
-// top speed. Thrusters that would idle this close together idle together.
+// Where two laws are equally good to the thrifty rules, which is better beyond is looked at so far beyond, as a fraction of that
+// speed. Thrusters that would idle this close together idle together.
 #define LOOK_AHEAD real_max(REAL(1e-6), 4096 * REAL_NOISE)
 #define TOGETHER real_max(REAL(1e-6), 1024 * REAL_NOISE)
 
@@ -96,11 +96,17 @@ static int coast_at(const ssv_steering_t* s, real_t v) {
     return best;
 }
 
+// Where the next law is judged, and where the search for the one after it begins.
+static real_t just_beyond(const ssv_steering_t* s, ssv_policy_t policy, real_t v) {
+    const real_t probe = real_mul(PROBE, s->top);
+    return policy > SSV_COAST ? v + real_max(probe, real_mul(LOOK_AHEAD, v)) : v + probe;
+}
+
 // The law with the least (L(v, a) - lambda v) / |a|, which the optimality conditions ask for.
 static int thrifty_at(const ssv_steering_t* s, int side, real_t v) {
     const ssv_laws_t* laws = &s->laws;
     const int limit = limit_at(s, side, v);
-    const real_t at = real_min(v + real_mul(LOOK_AHEAD, s->top), s->top);
+    const real_t at = real_min(just_beyond(s, SSV_THRIFTY_UP, v), s->top);
     real_t idle[N], c[3];
     ssv_laws_idle(laws, at, idle);
     ssv_ramp_law(laws, limit, c);
@@ -180,11 +186,10 @@ static real_t next_crossing(const ssv_steering_t* s, ssv_policy_t policy, int la
 // ---- Ramps: speed as a chain of laws, and the distance it takes ---------------------------------------------------------
 
 bool ssv_ramp_extend(const ssv_steering_t* s, ssv_policy_t policy, real_t top, int room, ssv_ramp_table_t* ramp) {
-    const real_t probe = real_mul(policy > SSV_COAST ? LOOK_AHEAD : PROBE, s->top);
     real_t v = ssv_ramp_top(ramp);
     for (int n = 0; n < SSV_MAX_PROFILE_PIECES && v < top; n++) {
         const int law = law_at(s, policy, v);
-        const real_t next = next_crossing(s, policy, law, v + probe, top);
+        const real_t next = next_crossing(s, policy, law, just_beyond(s, policy, v), top);
         if (ramp->num > 0 && ssv_ramp_stretch(ramp, ramp->num - 1)->law == law) {
             ssv_ramp_stretch(ramp, ramp->num - 1)->v_high = next;
         } else if (ramp->num == room) {

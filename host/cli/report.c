@@ -344,7 +344,7 @@ static void legs_table(FILE* out, const lcm_ssv_plan_t* plan) {
         const lcm_ssv_leg_t* leg = &plan->legs[i];
         fprintf(out, "  %-10s %-10s %-13s %11.3f %11.3f %12.3f %7.4f %s\n", NAME(phase_names, leg->phase),
                 NAME(kind_names, leg->kind), NAME(ramp_names, leg->ramp), leg->t_start_s, leg->duration_s, leg->impulse_Ns,
-                leg->peak_speed, leg->kind == LCM_SSV_LEG_T_KIND_TRANSLATE ? "m/s" : "rad/s");
+                leg->peak_speed, leg->kind == LCM_SSV_LEG_T_KIND_TURN ? "rad/s" : "m/s");
     }
     for (int8_t phase = LCM_SSV_LEG_T_PHASE_TRANSIT; phase <= LCM_SSV_LEG_T_PHASE_TRANSFER; phase++) {
         double time_s = 0, impulse_Ns = 0;

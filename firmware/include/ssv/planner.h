@@ -176,7 +176,7 @@ uint64_t ssv_scenario_hash(const ssv_scenario_t* scenario);
 real_t ssv_lower_bound(const ssv_problem_t* problem);
 
 typedef enum { SSV_TRANSIT = 0, SSV_TRANSFER = 1 } ssv_phase_t;                      ///< vehicle alone; vehicle with beam
-typedef enum { SSV_TRANSLATE = 0, SSV_TURN = 1, SSV_SCREW = 2 } ssv_leg_kind_t;
+typedef enum { SSV_TRANSLATE = 0, SSV_TURN = 1, SSV_SCREW = 2 } ssv_leg_kind_t;      ///< straight; about an axis; both at once
 typedef enum { SSV_FULL_REVERSE = 0, SSV_DRAG_ONLY = 1, SSV_OPTIMAL = 2 } ssv_ramp_t; ///< how a leg slows (paper Figs. 6, 7)
 typedef enum { SSV_MATE = 0, SSV_DOCK = 1 } ssv_event_kind_t;
 
@@ -189,7 +189,8 @@ typedef struct {
     real_t law[3];
 } ssv_piece_t;
 
-/// One rest-to-rest motion along a constant body twist. Speeds and distances along it are in m for SSV_TRANSLATE, else in rad.
+/// One rest-to-rest motion along a constant body twist. Speeds and distances along it are in rad for SSV_TURN, else in m along the
+/// path of S.
 typedef struct {
     ssv_phase_t phase;
     ssv_leg_kind_t kind;
@@ -199,7 +200,7 @@ typedef struct {
     real_t impulse_Ns;            ///< [N s] integral of the sum of absolute thrusts
     real_t length;                ///< [m or rad]
     real_t peak_speed;            ///< [m/s or rad/s]
-    vec3_t v_S, w_S;              ///< twist of S in axes of S per unit of speed; w_S = 0 and |v_S| = 1, or |w_S| = 1
+    vec3_t v_S, w_S;              ///< twist of S in axes of S per unit of speed: |w_S| = 1 for SSV_TURN, else |v_S| = 1
     pose_t X_IS_start, X_IS_end;
     int first_piece, num_pieces;  ///< into plan.piece
 } ssv_leg_t;
