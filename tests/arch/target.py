@@ -116,6 +116,15 @@ def disassembled(image):
     return functions
 
 
+def compilers_frames(folder):
+    """{function: [bytes of its frame as the compiler counts them, for each function of that name]}."""
+    frames = {}
+    for file in folder.rglob("*.su"):
+        for name, size in re.findall(r"^\S+:(\S+)\t(\d+)\t", file.read_text(), re.M):
+            frames.setdefault(name, []).append(int(size))
+    return frames
+
+
 def deepest(functions, name):
     """Bytes of stack that a call of the function can take, and the path there, by the call graph of an image."""
     known = {}
