@@ -31,6 +31,8 @@ static const budget_t glance = {.transits = 1};
 // A third price along a direction is worth it if a parabola promises this much, another joint refinement if the last gained so.
 #define WORTH_A_LOOK REAL(3e-5)
 #define WORTH_ANOTHER REAL(1e-5)
+// A parabola is not trusted beyond so many steps.
+#define FARTHEST REAL(2.5)
 // Where no thruster acts along a leg: no vehicle that ssv_problem_init accepts is so.
 #define NO_PRICE (REAL_MAX / 64)
 
@@ -70,12 +72,12 @@ static real_t search_along(ssv_task_t* task, const real_t direction[SSV_NUM_TRAN
     for (int n = 0; n < 3; n++) {
         real_t step = n == 0 ? REAL(-1) : REAL(1);
         if (n == 2) {
-            const real_t bend = at[0] + at[1] - real_mul(REAL(2), middle);
+            const real_t bend = at[0] + at[1] - real_mul(REAL(2), middle), fall = real_mul(REAL(0.5), at[0] - at[1]);
             if (!(bend > real_mul(SSV_EVEN, middle))) break;
-            step = real_div(real_mul(REAL(0.5), at[0] - at[1]), bend);
-            const real_t promised = real_mul(REAL(0.5), real_mul(bend, real_sq(step))), found = middle - *price;
+            const bool far = real_abs(fall) >= real_mul(FARTHEST, bend);
+            step = !far ? real_div(fall, bend) : fall < REAL(0) ? -FARTHEST : FARTHEST;
+            const real_t promised = real_mul(step, fall - real_mul(REAL(0.5), real_mul(bend, step))), found = middle - *price;
             if (promised - found < real_mul(WORTH_A_LOOK, middle)) break;
-            step = real_max(REAL(-2.5), real_min(REAL(2.5), step));
         }
         ssv_trial_t next = centre;
         for (int k = 0; k < SSV_NUM_TRANSFER; k++) next.x[k] += real_mul(step, direction[k]);
