@@ -1,4 +1,6 @@
 """Images for bare Cortex-M cores: builds them, runs them in the emulator, reads figures from them."""
+import bisect
+import dataclasses
 import os
 import pathlib
 import re
@@ -34,12 +36,13 @@ def emulate(cpu, image):
                     "-semihosting-config", "enable=on,target=native,arg=image", "-icount", "shift=5", "-kernel", image])
 
 
-def do_here(name, scalar):
+def run_here(name, scalar):
     """Likewise tests/target/NAME.c, built for this machine."""
     program = WORK / f"{name}-{scalar}"
     WORK.mkdir(parents=True, exist_ok=True)
     run([os.environ["CC"], "-std=c11", "-O2", "-ffp-contract=off", f"-DSSV_REAL_{scalar.upper()}",
-         f"-I{ROOT}/firmware/include", f"-I{ROOT}/firmware", f"-I{ROOT}/firmware/target", f"-I{SUPPORT}", f"-I{SHIPPED.parent}",
+         *(f"-I{ROOT}/{folder}" for folder in ("firmware/include", "firmware", "firmware/target")),
+         f"-I{SUPPORT}", f"-I{SHIPPED.parent}",
          *sorted(CORE.glob("*.c")), SUPPORT / "tasks.c", ROOT / f"tests/target/{name}.c", ROOT / "tests/target/no_board.c",
          "-lm", "-o", program])
     return printed([program])
@@ -87,32 +90,39 @@ def pushed_bytes(mnemonic, operands):
     return 0
 
 
+@dataclasses.dataclass
+class Function:
+    """As it stands in an image. The frame is the sum of all that its instructions push, so never too small."""
+    name: str
+    frame_bytes: int = 0
+    callees: set = dataclasses.field(default_factory=set)  # addresses
+    calls_through_pointer: bool = False
+
+
 def disassembled(image):
-    """{function's address: (name, bytes of its frame, {addresses it goes to}, whether it goes to one that only running tells)}.
-    A frame is the sum of all that its instructions push, so none is too small."""
-    text = run(["arm-none-eabi-objdump", "-d", "--no-show-raw-insn", image])
-    names = {int(address, 16): name for address, name in re.findall(r"^([0-9a-f]+) <(\S+)>:$", text, re.M)}
-    functions, here = {}, None
-    for line in text.splitlines():
+    """{address: Function} of an image."""
+    functions, jumps, here = {}, [], None
+    for line in run(["arm-none-eabi-objdump", "-d", "--no-show-raw-insn", image]).splitlines():
         head = re.match(r"([0-9a-f]+) <(\S+)>:$", line)
         if head:
             here = int(head[1], 16)
-            functions[here] = [head[2], 0, set(), False]
+            functions[here] = Function(head[2])
             continue
         code = re.match(r"\s*[0-9a-f]+:\t(\S+)\t([^;@]*)", line)
         if not code:
             continue
         mnemonic, operands = code[1], code[2].strip()
-        functions[here][1] += pushed_bytes(mnemonic, operands)
-        jump = re.match(r"([0-9a-f]+) <([^>+]+)(?:\+0x([0-9a-f]+))?>$", operands)
-        if mnemonic.startswith("b") and jump:
-            target = int(jump[1], 16) - int(jump[3] or "0", 16)
-            if target != here or mnemonic == "bl":
-                functions[here][2].add(target)
-        elif re.match(r"blx?\b|bx\b", mnemonic) and operands != "lr":
-            functions[here][3] = True
-    for function in functions.values():
-        function[2] &= names.keys()
+        functions[here].frame_bytes += pushed_bytes(mnemonic, operands)
+        jump = re.search(r"\b([0-9a-f]+) <", operands)
+        if mnemonic.startswith(("b", "cb")) and jump:
+            jumps.append((here, int(jump[1], 16), mnemonic == "bl"))
+        elif re.match(r"(blx?|bx) (?!lr)|(ldr|mov)\S* pc, (?!\[sp\]|lr)", f"{mnemonic} {operands}"):
+            functions[here].calls_through_pointer = True
+    starts = sorted(functions)
+    for here, to, is_call in jumps:
+        callee = starts[bisect.bisect_right(starts, to) - 1]
+        if callee != here or is_call:
+            functions[here].callees.add(callee)
     return functions
 
 
@@ -131,15 +141,15 @@ def deepest(functions, name):
 
     def depth(address):
         if address not in known:
-            label, frame, callees, unknown = functions[address]
-            if unknown:
-                raise AssertionError(f"{label} calls through a pointer: no telling how deep the stack goes")
+            function = functions[address]
+            if function.calls_through_pointer:
+                raise AssertionError(f"{function.name} calls through a pointer: no telling how deep the stack goes")
             known[address] = None
-            below = [depth(callee) for callee in sorted(callees)]
+            below = [depth(callee) for callee in sorted(function.callees)]
             if None in below:
-                raise AssertionError(f"{label} comes to call itself: no telling how deep the stack goes")
+                raise AssertionError(f"{function.name} comes to call itself: no telling how deep the stack goes")
             bytes_below, path = max(below, default=(0, []))
-            known[address] = frame + bytes_below, [f"{label} {frame}", *path]
+            known[address] = function.frame_bytes + bytes_below, [f"{function.name} {function.frame_bytes}", *path]
         return known[address]
 
-    return depth(next(address for address, function in functions.items() if function[0] == name))
+    return depth(next(address for address, function in functions.items() if function.name == name))

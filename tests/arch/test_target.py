@@ -1,6 +1,6 @@
-"""The planner on bare Cortex-M cores, emulated: it plans the shipped scenarios and random tasks, fixed point gives the same bits
-there as here, and what it takes stays within tests/bench/budgets.csv. -V shows the figures; SSV_REFRESH_BUDGETS=1 writes them
-to that file.
+"""The planner on bare Cortex-M cores, emulated: it plans the shipped scenarios and random tasks, fixed point gives the same
+bits there as here, and what it takes stays within tests/bench/budgets.csv. -V shows the figures; SSV_REFRESH_BUDGETS=1 has
+them written to that file.
 """
 import concurrent.futures
 import csv
@@ -20,7 +20,7 @@ API = ["ssv_problem_init", "ssv_plan", "ssv_quote", "ssv_front", "ssv_lower_boun
 # How far J may be from that of the double build on this machine, relative.
 COST_TOLERANCE = {"double": 1e-6, "fixed": 1e-4, "float": 1e-3}
 LONGEST_INTERRUPT = 128  # bytes of stack: what the core saves, and the tick's handler
-MOST_REGISTERS = 24  # bytes: what a function may push before its frame, as the compiler counts it, begins
+MOST_ARGUMENTS = 24  # bytes: arguments that a function saves itself; the compiler does not count them as its frame
 
 BUDGETS = ROOT / "tests/bench/budgets.csv"
 COLUMNS = ["core", "scalar", "what", "figure", "budget"]
@@ -95,7 +95,8 @@ def breaches(figures, budgets):
         elif key not in figures:
             found.append(f"{name}: a budget of what is no more")
         elif figures[key] > budgets[key] * (1 + MARGIN):
-            found.append(f"{name}: {figures[key]} is {figures[key] / budgets[key] - 1:.1%} over its budget of {budgets[key]}")
+            growth = figures[key] / budgets[key] - 1
+            found.append(f"{name}: {figures[key]} is {growth:.1%} over its budget of {budgets[key]}")
     return found
 
 
@@ -104,43 +105,43 @@ class Target(unittest.TestCase):
     def setUpClass(cls):
         with concurrent.futures.ThreadPoolExecutor(2) as pool:
             images = {key: pool.submit(Image, *key) for key in IMAGES}
-            here = {scalar: pool.submit(target.do_here, "plan", scalar) for scalar in ("double", "fixed")}
+            here = {scalar: pool.submit(target.run_here, "plan", scalar) for scalar in ("double", "fixed")}
             cls.images = {key: future.result() for key, future in images.items()}
             cls.here = {scalar: target.planned(future.result()[0]) for scalar, future in here.items()}
         cls.figures = {key: number for image in cls.images.values() for key, number in image.figures().items()}
 
-    def test_every_shipped_scenario_is_planned_with_both_methods_at_the_price_of_the_double_build(self):
+    def test_every_core_plans_the_shipped_scenarios_and_random_tasks_at_the_price_of_the_double_build_here(self):
         for (cpu, scalar), image in self.images.items():
             print(f"Cortex-{cpu}, {scalar}: scenario, method, status, J, plan hash, instructions, bytes of stack")
             for key, row in image.plans.items():
                 if not is_random(row["name"]):
                     print(" ", *row.values())
-                    with self.subTest(cpu=cpu, scalar=scalar, plan=key):
-                        self.assertEqual(row["status"], "ok")
-                        cost = float(self.here["double"][key]["cost"])
-                        self.assertAlmostEqual(float(row["cost"]), cost, delta=COST_TOLERANCE[scalar] * cost)
-            statuses = [row["status"] for row in image.plans.values() if is_random(row["name"])]
-            print(f"  random tasks: {', '.join(f'{statuses.count(status)} {status}' for status in sorted(set(statuses)))}")
+                with self.subTest(cpu=cpu, scalar=scalar, plan=key):
+                    here = self.here["double"][key]
+                    self.assertEqual(row["status"], here["status"] if is_random(row["name"]) else "ok")
+                    cost = float(here["cost"])
+                    self.assertAlmostEqual(float(row["cost"]), cost, delta=COST_TOLERANCE[scalar] * cost)
             with self.subTest(cpu=cpu, scalar=scalar):
                 self.assertEqual(image.exit_code, 0)
 
     def test_fixed_point_gives_the_plans_of_this_machine_to_the_last_bit_on_every_core(self):
-        expected = {key: (row["status"], row["cost"], row["hash"]) for key, row in self.here["fixed"].items()}
-        self.assertGreaterEqual(sum(is_random(name) for name, _ in expected), 50)
-        self.assertGreater(sum(row["status"] == "ok" for row in self.here["fixed"].values()), len(expected) * 0.9)
+        here = self.here["fixed"]
+        self.assertGreaterEqual(sum(is_random(name) and row["status"] == "ok" for (name, _), row in here.items()), 50)
         for (cpu, scalar), image in self.images.items():
             if scalar == "fixed":
                 with self.subTest(cpu=cpu):
-                    self.assertEqual({key: (row["status"], row["cost"], row["hash"]) for key, row in image.plans.items()},
-                                     expected)
+                    self.assertEqual(image.plans.keys(), here.keys())
+                    differing = [key for key, row in image.plans.items()
+                                 if any(row[field] != here[key][field] for field in ("status", "cost", "hash"))]
+                    self.assertEqual(differing, [])
 
     def test_the_command_line_makes_the_same_plans_of_the_scenario_files(self):
         for scalar, plans in self.here.items():
             for (name, method), row in plans.items():
                 if not is_random(name):
                     with self.subTest(scalar=scalar, name=name, method=method):
-                        answer = run([f"{os.environ['SSV_BIN_DIR']}/ssv", "plan", ROOT / f"host/scenarios/{name}.yaml", "--scalar",
-                                      scalar, "--method", method, "--effort", "quick", "--format", "json"])
+                        answer = run([f"{os.environ['SSV_BIN_DIR']}/ssv", "plan", ROOT / f"host/scenarios/{name}.yaml",
+                                      "--scalar", scalar, "--method", method, "--effort", "quick", "--format", "json"])
                         self.assertEqual(json.loads(answer)["plan_hash"], row["hash"])
 
     def test_nothing_takes_more_than_its_budget(self):
@@ -179,17 +180,18 @@ class Target(unittest.TestCase):
         for (cpu, scalar), image in self.images.items():
             with self.subTest(cpu=cpu, scalar=scalar):
                 frames, compared = target.compilers_frames(image.folder), 0
-                for name, frame, _, _ in target.disassembled(image.file).values():
-                    if len(frames.get(name, [])) == 1:
+                for function in target.disassembled(image.file).values():
+                    if len(frames.get(function.name, [])) == 1:
                         compared += 1
-                        self.assertGreaterEqual(frame, frames[name][0], name)
-                        self.assertLessEqual(frame, frames[name][0] + MOST_REGISTERS, name)
+                        expected = frames[function.name][0]
+                        self.assertGreaterEqual(function.frame_bytes, expected, function.name)
+                        self.assertLessEqual(function.frame_bytes, expected + MOST_ARGUMENTS, function.name)
                 self.assertGreater(compared, 80)
 
     def test_fixed_arithmetic_gives_the_same_bits_on_a_core_without_floating_point(self):
         lines, _ = target.emulate("m3", self.images["m3", "fixed"].folder / "bin/arithmetic.elf")
         print("Cortex-m3, fixed: operation, hash, mean and most instructions of a call", *lines, sep="\n  ")
-        here, _ = target.do_here("arithmetic", "fixed")
+        here, _ = target.run_here("arithmetic", "fixed")
         self.assertEqual([line.split()[:2] for line in lines], [line.split()[:2] for line in here])
 
     def test_no_archive_needs_a_heap_and_a_fixed_one_no_floating_point_either(self):

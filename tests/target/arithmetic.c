@@ -1,5 +1,5 @@
-/// Every operation of the scalar over seeded arguments. Prints a line for each: its name, a hash of all results, the mean and
-/// the most instructions of a call. The hashes of fixed point are the same everywhere.
+/// Every operation of the scalar over seeded arguments. Prints a line for each: its name, a hash of all results, the mean
+/// and the most instructions of a call. The hashes of fixed point are the same everywhere.
 #include <inttypes.h>
 #include <stdio.h>
 

@@ -1,6 +1,6 @@
 /// Plans the shipped scenarios, each with both methods, then NUM_RANDOM seeded random tasks. Prints a line for each: what it
-/// is, method, status, J, plan hash, instructions, bytes of stack. Exit code 0, or 1 if a task is refused or a shipped scenario
-/// has no plan.
+/// is, method, status, J, plan hash, instructions, bytes of stack. Exit code 0, or 1 if a task is refused or a shipped
+/// scenario has no plan.
 #include <inttypes.h>
 #include <stdio.h>
 
