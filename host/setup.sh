@@ -36,6 +36,8 @@ _ssv_missing_packages() {
     if [[ $2 == tests ]]; then
         wanted+=(clang libclang-rt-dev default-jdk-headless)
         wanted+=(gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm) # tests on bare Cortex-M cores
+        # and on other processors with an operating system
+        wanted+=(gcc-aarch64-linux-gnu gcc-arm-linux-gnueabihf libc6-dev-arm64-cross libc6-dev-armhf-cross qemu-user)
     fi
     if ! python3 -c 'import ensurepip, venv' 2>/dev/null; then
         wanted+=(python3-venv)

@@ -1,4 +1,5 @@
-"""The same scenario gives the same plan, bit for bit, whatever compiled the planner."""
+"""The same scenario gives the same plan, bit for bit, whatever compiled the planner; in fixed point also on other processors."""
+import concurrent.futures
 import os
 import pathlib
 import shutil
@@ -8,38 +9,96 @@ import unittest
 from core import CORE, HERE, SUPPORT, core_flags, run
 
 SEED = 20260
-COUNT = 20000 if os.environ.get("SSV_LONG") else 500
-BUILDS = [["gcc", "-O0"], ["gcc", "-O2", "-DNDEBUG"], ["gcc", "-O3", "-march=native"], ["clang", "-O0"], ["clang", "-O2"]]
+LONG = os.environ.get("SSV_LONG")
+DOUBLE_COUNT = 20000 if LONG else 500
+FIXED_COUNT = 10000 if LONG else 1000
+DOUBLE_BUILDS = [["gcc", "-O0"], ["gcc", "-O2", "-DNDEBUG"], ["gcc", "-O3", "-march=native"], ["clang", "-O0"], ["clang", "-O2"]]
+UNDEFINED = ["-fsanitize=undefined", "-fno-sanitize-recover=all"]
+FIXED_BUILDS = [["gcc", "-O0"], ["gcc", "-O2", "-DNDEBUG"], ["gcc", "-O3", "-march=native"], ["clang", "-O2"],
+                ["gcc", "-O2", *UNDEFINED], ["arm-linux-gnueabihf-gcc", "-O2", "-static"],
+                ["aarch64-linux-gnu-gcc", "-O2", "-static"]]
+EMULATOR = {"arm-linux-gnueabihf-gcc": "qemu-arm", "aarch64-linux-gnu-gcc": "qemu-aarch64"}
+PACKAGES = {"arm-linux-gnueabihf-gcc": "gcc-arm-linux-gnueabihf libc6-dev-armhf-cross qemu-user",
+            "aarch64-linux-gnu-gcc": "gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user"}
 
 
-def hashes(compiler):
+def emulator_of(compiler):
+    """What runs a program of this compiler: nothing at all here; None if it is not installed."""
+    if compiler[0] not in EMULATOR:
+        return []
+    name = EMULATOR[compiler[0]]
+    found = shutil.which(name) or shutil.which(f"{name}-static")
+    return [found] if found else None
+
+
+def is_installed(compiler):
+    return shutil.which(compiler[0]) is not None and emulator_of(compiler) is not None
+
+
+def hashes(compiler, scalar="DOUBLE", count=DOUBLE_COUNT):
+    """The lines of plan_hashes built so; None if the compiler or its emulator is not installed."""
+    if not is_installed(compiler):
+        return None
+    flags = [flag for flag in core_flags() if not flag.startswith("-DSSV_REAL_")]
     with tempfile.TemporaryDirectory() as scratch:
         program = pathlib.Path(scratch) / "plan_hashes"
         sources = [*sorted(CORE.glob("*.c")), HERE / "plan_hashes.c", SUPPORT / "tasks.c"]
-        run([compiler[0], *core_flags(), f"-I{SUPPORT}", *compiler[1:], *sources, "-lm", "-o", program])
-        return run([program, SEED, COUNT]).splitlines()
+        run([compiler[0], *flags, f"-DSSV_REAL_{scalar}", f"-I{SUPPORT}", *compiler[1:], *sources, "-lm", "-o", program])
+        return run([*emulator_of(compiler), program, SEED, count]).splitlines()
+
+
+def all_hashes(builds, *arguments):
+    """Those of each build, in their order; two at a time."""
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        return list(pool.map(lambda build: hashes(build, *arguments), builds))
 
 
 class Determinism(unittest.TestCase):
+    """Of the planner in double."""
+
     @classmethod
     def setUpClass(cls):
-        print(f"seed {SEED}, {COUNT} scenarios")
-        cls.first = hashes(BUILDS[0])
+        print(f"double: seed {SEED}, {DOUBLE_COUNT} scenarios")
+        cls.first, *cls.others = all_hashes(DOUBLE_BUILDS)
 
     def test_every_compiler_and_level_gives_the_same_plans(self):
-        for compiler in BUILDS[1:]:
+        for compiler, lines in zip(DOUBLE_BUILDS[1:], self.others):
             with self.subTest(compiler=" ".join(compiler)):
-                if not shutil.which(compiler[0]):
+                if lines is None:
                     self.fail(f"{compiler[0]} is not installed")
-                self.assertEqual(hashes(compiler), self.first)
+                self.assertEqual(lines, self.first)
 
     def test_the_drawn_scenarios_are_sound_questions_and_mostly_have_an_answer(self):
         self.assertEqual([line for line in self.first if "refused" in line], [])
-        self.assertGreater(sum(" ok " in line for line in self.first), COUNT // 2)
-        self.assertEqual(len({line.split()[-1] for line in self.first}), COUNT)
+        self.assertGreater(sum(" ok " in line for line in self.first), DOUBLE_COUNT // 2)
+        self.assertEqual(len({line.split()[-1] for line in self.first}), DOUBLE_COUNT)
 
     def test_the_hashes_notice_another_arithmetic(self):
         self.assertNotEqual(hashes(["gcc", "-O2", "-ffast-math"]), self.first)
+
+
+class FixedPoint(unittest.TestCase):
+    """Of the planner in fixed point; one build watches for undefined behaviour, such as a sum that does not fit."""
+
+    @classmethod
+    def setUpClass(cls):
+        print(f"fixed: seed {SEED}, {FIXED_COUNT} scenarios")
+        cls.first, *cls.others = all_hashes(FIXED_BUILDS, "FIXED", FIXED_COUNT)
+
+    def test_every_compiler_level_and_processor_gives_the_same_plans(self):
+        for compiler, lines in zip(FIXED_BUILDS[1:], self.others):
+            with self.subTest(compiler=" ".join(compiler)):
+                if lines is None and compiler[0] in EMULATOR:
+                    self.skipTest(f"no {compiler[0]} or no {EMULATOR[compiler[0]]}; on Debian: apt-get install "
+                                  f"{PACKAGES[compiler[0]]}")
+                elif lines is None:
+                    self.fail(f"{compiler[0]} is not installed")
+                self.assertEqual(lines, self.first)
+
+    def test_most_scenarios_have_a_plan_and_each_its_own(self):
+        self.assertEqual([line for line in self.first if "refused" in line], [])
+        self.assertGreater(sum(" ok " in line for line in self.first), FIXED_COUNT // 2)
+        self.assertEqual(len({line.split()[-1] for line in self.first}), FIXED_COUNT)
 
 
 if __name__ == "__main__":
