@@ -9,10 +9,10 @@
 // The next knot lies at least this fraction of the top speed beyond the last; a law found out of place in between is so by
 // rounding only.
 #define PROBE real_max(REAL(9.3132257461547852e-10), 16 * REAL_NOISE)
-// Where two laws are equally good to the thrifty rules, which is better beyond is looked at so far beyond, as a fraction of that
-// speed. Thrusters that would idle this close together idle together.
-#define LOOK_AHEAD real_max(REAL(1e-6), 4096 * REAL_NOISE)
-#define TOGETHER real_max(REAL(1e-6), 1024 * REAL_NOISE)
+// The thrifty rules judge a law so far beyond the speed at which it takes over, as a fraction of that speed. Thrusters that would
+// idle this close together idle together.
+#define LOOK_AHEAD real_max(REAL(1e-6), 256 * REAL_NOISE)
+#define TOGETHER real_max(REAL(1e-9), 64 * REAL_NOISE)
 
 // ---- Which law holds at which speed -------------------------------------------------------------------------------------
 
@@ -96,100 +96,143 @@ static int coast_at(const ssv_steering_t* s, real_t v) {
     return best;
 }
 
-// Where the next law is judged, and where the search for the one after it begins.
-static real_t just_beyond(const ssv_steering_t* s, ssv_policy_t policy, real_t v) {
-    const real_t probe = real_mul(PROBE, s->top);
-    return policy > SSV_COAST ? v + real_max(probe, real_mul(LOOK_AHEAD, v)) : v + probe;
-}
-
-// The law with the least (L(v, a) - lambda v) / |a|, which the optimality conditions ask for.
-static int thrifty_at(const ssv_steering_t* s, int side, real_t v) {
-    const ssv_laws_t* laws = &s->laws;
-    const int limit = limit_at(s, side, v);
-    const real_t at = real_min(just_beyond(s, SSV_THRIFTY_UP, v), s->top);
-    real_t idle[N], c[3];
-    ssv_laws_idle(laws, at, idle);
-    ssv_ramp_law(laws, limit, c);
-    const real_t rest = s->weight_time - real_mul(s->lambda, at) + real_mul(s->weight_impulse, ssv_passive_thrust(laws, at));
-    const ssv_change_t change =
-        ssv_cheapest_change(laws, idle, s->weight_impulse, rest, ssv_quadratic_at(c, at), s->coasts);
-    return change.idle < 0 ? limit : number(change.idle, IDLE);
-}
-
+// Which law the paper's rules ask for.
 static int law_at(const ssv_steering_t* s, ssv_policy_t policy, real_t v) {
-    switch (policy) {
-        case SSV_COAST: return coast_at(s, v);
-        case SSV_THRIFTY_UP: return thrifty_at(s, FORWARDS, v);
-        case SSV_THRIFTY_SLOW: return thrifty_at(s, BACKWARDS, v);
-        case SSV_SPEED_UP: return limit_at(s, FORWARDS, v);
-        case SSV_BRAKE: break;
-    }
-    return limit_at(s, BACKWARDS, v);
+    return policy == SSV_COAST ? coast_at(s, v) : limit_at(s, policy == SSV_SPEED_UP ? FORWARDS : BACKWARDS, v);
 }
 
-// Along its law a thrifty rule changes where a line of L - lambda v, drawn on from the kink towards a = 0, meets zero there:
-// then the next kink on that side is as good. With the signs of all thrusts held that line is quadratic in v.
-static real_t next_balance(const ssv_steering_t* s, bool up, int law, real_t from, real_t to) {
-    const ssv_laws_t* laws = &s->laws;
-    // No thruster's sign changes in between; at the ends, where laws cross, several may idle at once.
-    const real_t mid = real_mul(REAL(0.5), from + to);
-    real_t idle[N], c[3], line[2][3];
-    ssv_laws_idle(laws, mid, idle);
-    ssv_ramp_law(laws, law, c);
-    const real_t a = ssv_quadratic_at(c, mid);
-    for (int side = 0; side < 2; side++) {
-        line[side][0] = s->weight_time;
-        line[side][1] = -s->lambda;
-        line[side][2] = REAL(0);
-    }
-    for (int k = 0; k < laws->num; k++) {
-        const real_t push = a - idle[k];
-        const bool idles = real_abs(push) <= real_mul(TOGETHER, real_abs(a));
-        // A thruster that idles along the law has one sign for less acceleration, the other for more.
-        for (int side = 0; side < 2; side++) {
-            const bool positive = idles ? (side == 1) == up : push > REAL(0);
-            const real_t weight = real_mul(s->weight_impulse, positive ? laws->weight[k] : -laws->weight[k]);
-            line[side][1] -= real_mul(weight, laws->linear[k]);
-            line[side][2] -= real_mul(weight, laws->quadratic[k]);
-        }
-    }
-    for (int k = 0; k < laws->num_passive; k++) {
-        const bool positive = laws->passive_linear[k] + real_mul(laws->passive_quadratic[k], mid) > REAL(0);
-        const real_t weight = positive ? s->weight_impulse : -s->weight_impulse;
-        for (int side = 0; side < 2; side++) {
-            line[side][1] += real_mul(weight, laws->passive_linear[k]);
-            line[side][2] += real_mul(weight, laws->passive_quadratic[k]);
-        }
-    }
-    return ssv_quadratic_root_after(line[1], from, ssv_quadratic_root_after(line[0], from, to));
-}
-
-// First speed in (from, to) at which another law may take over from this one.
-static real_t next_crossing(const ssv_steering_t* s, ssv_policy_t policy, int law, real_t from, real_t to) {
-    const bool up = policy == SSV_SPEED_UP || policy == SSV_THRIFTY_UP, thrifty = policy > SSV_COAST, kinks = policy >= SSV_COAST;
+// First speed in (from, to) at which a limit, or with `kinks` another thruster's idling, crosses this law, or a passive thruster
+// changes its sign.
+static real_t next_crossing(const ssv_steering_t* s, int side, bool kinks, int law, real_t from, real_t to) {
     real_t next = to, d[3];
     for (int k = 0; k < s->laws.num; k++) {
-        const int rival[2] = {number(k, up ? FORWARDS : BACKWARDS), number(k, IDLE)};
-        for (int n = 0; n < (kinks && (!thrifty || s->coasts[k]) ? 2 : 1); n++) {
+        const int rival[2] = {number(k, side), number(k, IDLE)};
+        for (int n = 0; n < (kinks ? 2 : 1); n++) {
             if (rival[n] == law) continue;
             const real_t noise = difference(s, rival[n], law, d);
             if (ssv_quadratic_size(d, to) > noise) next = ssv_quadratic_root_after(d, from, next);
         }
     }
-    for (int k = 0; thrifty && k < s->laws.num_passive; k++) { // its thrust holds drag alone, and changes sign with it
+    for (int k = 0; kinks && k < s->laws.num_passive; k++) {
         const real_t drag[3] = {REAL(0), s->laws.passive_linear[k], s->laws.passive_quadratic[k]};
         next = ssv_quadratic_root_after(drag, from, next);
     }
-    return thrifty ? next_balance(s, up, law, from, next) : next;
+    return next;
+}
+
+// ---- The thrifty rules --------------------------------------------------------------------------------------------------
+
+// The optimality conditions ask for the least C(a) / |a|, where C(a) = L(v, a) - lambda v is convex and piecewise linear in a:
+// for the kink, or the limit, at which a line from the origin touches C. There the line through the next stretch inwards, towards
+// a = 0, meets a = 0 at or above zero, and the one outwards at or below. Walking along the kinks finds it, and rounding cannot
+// pick among kinks that are nearly equal.
+enum { INWARDS = 0, OUTWARDS = 1 };
+
+// Where these lines meet a = 0, over the speed; while no thruster's sign changes, at `mid` and around, a quadratic in it.
+static void tangents(const ssv_steering_t* s, bool up, int law, real_t mid, real_t line[2][3]) {
+    const ssv_laws_t* laws = &s->laws;
+    real_t c[3];
+    ssv_ramp_law(laws, law, c);
+    const real_t a = ssv_quadratic_at(c, mid);
+    for (int way = INWARDS; way <= OUTWARDS; way++) {
+        line[way][0] = s->weight_time;
+        line[way][1] = -s->lambda;
+        line[way][2] = REAL(0);
+    }
+    for (int k = 0; k < laws->num; k++) {
+        const real_t push = a - real_mul(mid, laws->linear[k] + real_mul(mid, laws->quadratic[k]));
+        const bool idles = real_abs(push) <= real_mul(TOGETHER, real_abs(a));
+        // A thruster that idles along the law has one sign for less acceleration, the other for more.
+        for (int way = INWARDS; way <= OUTWARDS; way++) {
+            const bool positive = idles ? (way == OUTWARDS) == up : push > REAL(0);
+            const real_t weight = real_mul(s->weight_impulse, positive ? laws->weight[k] : -laws->weight[k]);
+            line[way][1] -= real_mul(weight, laws->linear[k]);
+            line[way][2] -= real_mul(weight, laws->quadratic[k]);
+        }
+    }
+    for (int k = 0; k < laws->num_passive; k++) {
+        const bool positive = laws->passive_linear[k] + real_mul(laws->passive_quadratic[k], mid) > REAL(0);
+        const real_t weight = positive ? s->weight_impulse : -s->weight_impulse;
+        for (int way = INWARDS; way <= OUTWARDS; way++) {
+            line[way][1] += real_mul(weight, laws->passive_linear[k]);
+            line[way][2] += real_mul(weight, laws->passive_quadratic[k]);
+        }
+    }
+}
+
+// The next law that way at a speed: a kink short of the limit, or the limit. @return -1 if there is none.
+static int neighbour(const ssv_steering_t* s, int side, int law, int way, real_t v) {
+    const ssv_laws_t* laws = &s->laws;
+    const real_t sign = side == FORWARDS ? REAL(1) : REAL(-1);
+    const int limit = limit_at(s, side, v);
+    real_t c[3];
+    ssv_ramp_law(laws, law, c);
+    const real_t here = real_mul(sign, ssv_quadratic_at(c, v)), apart = real_mul(TOGETHER, here);
+    ssv_ramp_law(laws, limit, c);
+    const real_t most = real_mul(sign, ssv_quadratic_at(c, v));
+    int best = -1;
+    real_t best_a = way == OUTWARDS ? most : REAL(0);
+    for (int k = 0; k < laws->num; k++) {
+        const real_t a = real_mul(sign, real_mul(v, laws->linear[k] + real_mul(v, laws->quadratic[k])));
+        if (!s->coasts[k] || a <= REAL(0)) continue;
+        if (way == OUTWARDS ? a <= here + apart || a >= best_a : a >= here - apart || a <= best_a) continue;
+        best = number(k, IDLE);
+        best_a = a;
+    }
+    return best < 0 && way == OUTWARDS && law != limit ? limit : best;
+}
+
+// A walk along the kinks: the law, and the one it came from, to which it does not return at the same speed.
+typedef struct {
+    int law, left;
+} walk_t;
+
+static bool step(const ssv_steering_t* s, int side, int way, real_t v, walk_t* walk) {
+    const int next = neighbour(s, side, walk->law, way, v);
+    if (next < 0 || next == walk->left) return false;
+    *walk = (walk_t){next, walk->law};
+    return true;
+}
+
+// From the law that held below v, or the limit (-1), to that which holds above; *next is the speed up to which it does, and *way
+// where the walk goes on from there (-1: a crossing).
+static int thrifty_law(const ssv_steering_t* s, int side, walk_t* walk, real_t v, real_t top, real_t* next, int* way) {
+    const bool up = side == FORWARDS;
+    const real_t at = real_min(v + real_max(real_mul(PROBE, s->top), real_mul(LOOK_AHEAD, v)), top);
+    const int limit = limit_at(s, side, v);
+    const bool beyond = walk->law >= 0 && (up ? compare(s, walk->law, limit, at) > 0 : compare(s, walk->law, limit, at) < 0);
+    if (walk->law < 0 || walk->law % NUM_SIDES != IDLE || beyond) *walk = (walk_t){limit, -1};
+    real_t line[2][3], to = top;
+    for (int n = 0; n < 2 * SSV_NUM_THRUSTERS; n++) {
+        to = next_crossing(s, side, true, walk->law, at, top);
+        const real_t mid = real_mul(REAL(0.5), at + to);
+        tangents(s, up, walk->law, mid, line);
+        if (ssv_quadratic_at(line[INWARDS], at) < REAL(0) && step(s, side, INWARDS, mid, walk)) continue;
+        if (walk->law % NUM_SIDES != IDLE) break;
+        if (ssv_quadratic_at(line[OUTWARDS], at) > REAL(0) && step(s, side, OUTWARDS, mid, walk)) continue;
+        break;
+    }
+    const real_t inwards = ssv_quadratic_root_after(line[INWARDS], at, to);
+    const real_t outwards = walk->law % NUM_SIDES == IDLE ? ssv_quadratic_root_after(line[OUTWARDS], at, to) : to;
+    *next = real_min(inwards, outwards);
+    *way = *next == to ? -1 : inwards < outwards ? INWARDS : OUTWARDS;
+    return walk->law;
 }
 
 // ---- Ramps: speed as a chain of laws, and the distance it takes ---------------------------------------------------------
 
 bool ssv_ramp_extend(const ssv_steering_t* s, ssv_policy_t policy, real_t top, int room, ssv_ramp_table_t* ramp) {
-    real_t v = ssv_ramp_top(ramp);
-    for (int n = 0; n < SSV_MAX_PROFILE_PIECES && v < top; n++) {
-        const int law = law_at(s, policy, v);
-        const real_t next = next_crossing(s, policy, law, just_beyond(s, policy, v), top);
+    const int side = policy == SSV_SPEED_UP || policy == SSV_THRIFTY_UP ? FORWARDS : BACKWARDS;
+    real_t v = ssv_ramp_top(ramp), next = v;
+    walk_t walk = {-1, -1};
+    for (int n = 0; n < 2 * SSV_MAX_PROFILE_PIECES && v < top; n++) {
+        int law, way = -1;
+        if (policy == SSV_THRIFTY_UP || policy == SSV_THRIFTY_SLOW) {
+            law = thrifty_law(s, side, &walk, v, top, &next, &way);
+        } else {
+            law = law_at(s, policy, v);
+            next = next_crossing(s, side, policy == SSV_COAST, law, v + real_mul(PROBE, s->top), top);
+        }
         if (ramp->num > 0 && ssv_ramp_stretch(ramp, ramp->num - 1)->law == law) {
             ssv_ramp_stretch(ramp, ramp->num - 1)->v_high = next;
         } else if (ramp->num == room) {
@@ -201,6 +244,8 @@ bool ssv_ramp_extend(const ssv_steering_t* s, ssv_policy_t policy, real_t top, i
             stretch->v_high = next;
         }
         v = next;
+        walk.left = -1;
+        if (way >= 0) (void)step(s, side, way, v, &walk);
     }
     return v >= top;
 }
