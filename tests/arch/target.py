@@ -17,7 +17,7 @@ SHIPPED = pathlib.Path(os.environ["SSV_SHIPPED"])
 def build(cpu, scalar):
     """Cross compiles everything for a core, in the target's own build type; the folder with images and archive."""
     folder = WORK / f"{cpu}-{scalar}"
-    run(["cmake", "-S", ROOT, "-B", folder, "-G", os.environ["SSV_GENERATOR"], "-DSSV_BUILD_HOST=OFF",
+    run(["cmake", "--fresh", "-S", ROOT, "-B", folder, "-G", os.environ["SSV_GENERATOR"], "-DSSV_BUILD_HOST=OFF",
          f"--toolchain={ROOT}/firmware/target/arm-none-eabi.cmake", f"-DSSV_CPU={cpu}", f"-DSSV_REAL={scalar}",
          f"-DSSV_SHIPPED={SHIPPED}"])
     run(["cmake", "--build", folder, "--parallel", "1"])
