@@ -156,12 +156,9 @@ static void reason_add_fault(char* reason, const ssv_fault_t* fault) {
         case SSV_E_WEIGHTS:
             reason_add(reason, ": both are zero, one must be positive");
             break;
-        case SSV_NUMERIC_OVERFLOW:
-            reason_add(reason, ": ");
-            reason_add_overflow(reason);
-            break;
         case SSV_OK:
         case SSV_INFEASIBLE:
+        case SSV_NUMERIC_OVERFLOW:
             break;
     }
 }
@@ -196,11 +193,10 @@ static void quote_begin(const lcm_ssv_scenario_t* question, ssv_quote_parts_t* p
     wire->front = parts->front;
 }
 
-/// The way from outside to a checked problem. @return SSV_OK, or what is wrong, which the quote's status and reason then tell.
-static ssv_status_t check(const lcm_ssv_scenario_t* question, int64_t epoch_us, lcm_ssv_quote_t* wire,
-                          ssv_problem_t* problem) {
+/// The way from outside to a checked problem. @return SSV_OK, or what is wrong, which the reason then tells.
+static ssv_status_t check(const lcm_ssv_scenario_t* question, int64_t epoch_us, char* reason, ssv_problem_t* problem) {
     if (epoch_us < 0) {
-        reason_add(wire->reason, "epoch_us: %lld is negative, it must be 0 or later", (long long)epoch_us);
+        reason_add(reason, "epoch_us: %lld is negative, it must be 0 or later", (long long)epoch_us);
         return SSV_E_RANGE;
     }
     ssv_scenario_t scenario;
@@ -208,8 +204,7 @@ static ssv_status_t check(const lcm_ssv_scenario_t* question, int64_t epoch_us, 
     ssv_scenario_from_wire(&scenario, question);
     const ssv_status_t checked = ssv_problem_init(problem, &scenario, &fault);
     if (checked != SSV_OK) {
-        wire->status = status_to_wire(checked);
-        reason_add_fault(wire->reason, &fault);
+        reason_add_fault(reason, &fault);
     }
     return checked;
 }
@@ -287,7 +282,7 @@ void ssv_answer_refuse(const lcm_ssv_scenario_t* question, const char* reason, s
 ssv_status_t ssv_answer(const lcm_ssv_scenario_t* question, ssv_answer_t* answer) {
     ssv_problem_t problem;
     answer_begin(question, answer);
-    const ssv_status_t checked = check(question, question->epoch_us, &answer->wire.quote, &problem);
+    const ssv_status_t checked = check(question, question->epoch_us, answer->parts.reason, &problem);
     if (checked != SSV_OK) {
         return checked;
     }
@@ -317,7 +312,7 @@ ssv_status_t ssv_answer_batch_next(const lcm_ssv_scenario_batch_t* question, ssv
     const int i = batch_quote_begin(question, answer);
     const lcm_ssv_scenario_t* scenario = &question->scenarios[i];
     ssv_problem_t problem;
-    const ssv_status_t checked = check(scenario, question->epoch_us, &answer->quotes[i], &problem);
+    const ssv_status_t checked = check(scenario, question->epoch_us, answer->parts[i].reason, &problem);
     if (checked != SSV_OK) {
         return checked;
     }

@@ -130,11 +130,9 @@ ssv_status_t ssv_problem_init(ssv_problem_t* problem, const ssv_scenario_t* scen
     check_beam(&checker, &p.scenario.beam);
     check_task(&checker, &p.scenario);
     check_grasp(&checker, &p.scenario);
-    if (checker.ok) {
-        const uint32_t overflows = real_overflows();
-        ssv_status_t status = ssv_alloc_init(&p.scenario.vehicle, &p.allocation);
-        if (real_overflows() != overflows) status = SSV_NUMERIC_OVERFLOW;
-        if (status != SSV_OK) fail(&checker, status, "vehicle.thrusters", -1, REAL(0), REAL(0), REAL(0));
+    // An inverse that overflows is too large in any case.
+    if (checker.ok && ssv_alloc_init(&p.scenario.vehicle, &p.allocation) != SSV_OK) {
+        fail(&checker, SSV_E_SINGULAR, "vehicle.thrusters", -1, REAL(0), REAL(0), REAL(0));
     }
     if (!checker.ok) return fault->status;
     *problem = p;

@@ -164,8 +164,7 @@ typedef struct {
 } ssv_problem_t;
 
 /// Checks every field of the scenario against its range and caches the inverse of the thruster matrix.
-/// @return SSV_OK, or else *problem is untouched and *fault says which field: a negative status, or SSV_NUMERIC_OVERFLOW where
-/// the matrix cannot be inverted in the scalar. Costs about a microsecond.
+/// @return SSV_OK, or a negative status; then *problem is untouched and *fault says which field. Costs about a microsecond.
 ssv_status_t ssv_problem_init(ssv_problem_t* problem, const ssv_scenario_t* scenario, ssv_fault_t* fault);
 
 /// 64-bit hash (FNV-1a over the fields in the order declared) of a scenario, as given.

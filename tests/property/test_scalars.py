@@ -1,0 +1,159 @@
+"""The planner in float and in fixed point against the planner in double: seeded random tasks, and the shipped scenarios.
+
+The same doubles describe a task to all three; each rounds them to its own scalar. SSV_SEED=N draws other tasks. By themselves,
+`test_scalars.py METHOD TASK...` (environment as ctest sets it) shows what the three make of single tasks.
+"""
+import math
+import os
+import subprocess
+import sys
+import unittest
+
+SEED = int(os.environ.get("SSV_SEED", "20261203"))
+COUNT = 10000 if os.environ.get("SSV_LONG") else 400
+METHODS = {"optimal": 0, "paper": 1}
+STATUS = {0: "ok", 1: "infeasible", 2: "numeric overflow"}
+
+COST = {"float": 1e-3, "fixed": 1e-4}  # |dJ| / J
+TIME_S, TIME = 1e-3, 5e-4  # whichever is more
+PLACE_M, ANGLE_RAD = 1e-4, math.radians(0.01)
+# Two plans go the same way if they mate at the same height and each leg is as long, to within this [m and rad, and a fraction].
+# Method optimal turns and rolls freely, and where J is flat another way costs the same.
+WAY = 1e-4
+SAME_WAY = {"float": 0.5, "fixed": 0.95} # of the plans of method optimal, at least
+
+
+def turned(q, v):
+    """v by the unit quaternion q, scalar first."""
+    w, u = q[0], q[1:]
+    cross = lambda a, b: [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    t = [2 * c for c in cross(u, v)]
+    return [a + w * b + c for a, b, c in zip(v, t, cross(u, t))]
+
+
+def angle_between(p, q):
+    """Of two attitudes [rad]."""
+    apart = min(math.dist(p, q), math.dist(p, [-c for c in q]))
+    return 4 * math.asin(min(1, apart / 2))
+
+
+def along(p, length, direction):
+    return [a + length * b for a, b in zip(p, direction)]
+
+
+def between(u, v):
+    """The angle between a unit vector and the opposite of another [rad]."""
+    return 2 * math.asin(min(1, math.dist(u, [-c for c in v]) / 2))
+
+
+class Plan:
+    """One line of plan_numbers."""
+
+    def __init__(self, line):
+        self.task, self.status, self.overflowed, *numbers = line.split()
+        self.task, self.status, self.overflowed = int(self.task), STATUS[int(self.status)], self.overflowed == "1"
+        if self.status != "ok":
+            return
+        numbers = list(map(float, numbers))
+        self.cost, self.time_s, self.impulse_Ns, self.contact, self.height_m, self.ring_rad, half_length_m = numbers[:7]
+        standoff_m, port, axis = numbers[7], numbers[8:11], numbers[11:14]
+        self.vehicle = numbers[14:17], numbers[17:21]
+        self.beam = numbers[21:24], numbers[24:28]
+        self.off_legs_m, self.lengths = numbers[28], numbers[29:]
+        # Where the beam must be, and the vehicle on it: beam z along the port's axis, vehicle x towards the beam.
+        outward = turned(self.beam[1], [0, 0, -1 if self.contact == 1 else 1])
+        side = turned(self.beam[1], [math.cos(self.ring_rad), math.sin(self.ring_rad), 0])
+        end = along(self.beam[0], half_length_m, outward)
+        mate = along(along(self.beam[0], self.height_m, turned(self.beam[1], [0, 0, 1])), standoff_m, side)
+        self.off_place_m = max(math.dist(end, port), math.dist(mate, self.vehicle[0]))
+        self.off_angle_rad = max(between(outward, axis), between(side, turned(self.vehicle[1], [1, 0, 0])))
+
+    def goes_like(self, other):
+        """Whether both are the same motion, but for rounding."""
+        return (self.contact == other.contact and len(self.lengths) == len(other.lengths)
+                and abs(self.height_m - other.height_m) < WAY
+                and all(abs(a - b) <= WAY * (1 + a) for a, b in zip(self.lengths, other.lengths)))
+
+    def cost_error(self, double):
+        return abs(self.cost - double.cost) / double.cost
+
+    def time_error(self, double):
+        """As a multiple of what is allowed."""
+        return abs(self.time_s - double.time_s) / max(TIME_S, TIME * double.time_s)
+
+    def place_error_m(self, double):
+        return max(math.dist(self.vehicle[0], double.vehicle[0]), math.dist(self.beam[0], double.beam[0]))
+
+    def angle_error_rad(self, double):
+        return max(angle_between(self.vehicle[1], double.vehicle[1]), angle_between(self.beam[1], double.beam[1]))
+
+    def __str__(self):
+        if self.status != "ok":
+            return self.status
+        return (f"J {self.cost:.9g}, {self.time_s:.6f} s, {self.impulse_Ns:.6f} N s, contact {self.contact:.0f}, "
+                f"height {self.height_m:+.6f} m, ring {self.ring_rad:+.6f} rad, legs {[round(c, 6) for c in self.lengths]}")
+
+
+def plans(scalar, method, first=0, count=COUNT, step=1):
+    """The lines of tasks first, first + step, ... below count, planned on all cores."""
+    cores = os.cpu_count() or 1
+    command = [os.environ[f"SSV_NUMBERS_{scalar}"], str(SEED), str(METHODS[method])]
+    workers = [subprocess.Popen([*command, *map(str, (first + step * k, step * cores, count))], stdout=subprocess.PIPE, text=True)
+               for k in range(cores)]
+    outputs = [worker.communicate()[0] for worker in workers]
+    if any(worker.returncode for worker in workers):
+        raise AssertionError(f"{command} ended with {[worker.returncode for worker in workers]}")
+    return sorted(map(Plan, "".join(outputs).splitlines()), key=lambda plan: plan.task)
+
+
+def figures(values):
+    """Median, 99th percentile and largest."""
+    values = sorted(values)
+    pick = lambda share: values[min(len(values) - 1, int(share * len(values)))]
+    return f"{pick(0.5):.1e} / {pick(0.99):.1e} / {values[-1]:.1e}"
+
+
+class Scalars(unittest.TestCase):
+    def assert_none(self, what, tasks):
+        with self.subTest(what):
+            self.assertEqual(len(tasks), 0, f"tasks {[plan.task for plan, _ in tasks[:20]]}, seed {SEED}")
+
+    def compare(self, scalar, method, double, found):
+        """Holds what is to hold of every plan. @return those that go the same way as in double, with these."""
+        pairs = [(plan, d) for plan, d in zip(found, double) if plan.status == d.status == "ok"]
+        alike = [(plan, d) for plan, d in pairs if plan.goes_like(d)]
+        print(f"{method}, {scalar}: {len(pairs)} plans, {len(alike)} go the same way; median / p99 / most of |dJ|/J "
+              f"{figures(p.cost_error(d) for p, d in pairs)}, end off by {figures(p.off_place_m for p, _ in pairs)} m, "
+              f"{figures(p.off_angle_rad for p, _ in pairs)} rad, samples {figures(p.off_legs_m for p, _ in pairs)} m, "
+              f"time {figures(p.time_error(d) for p, d in alike)} of what is allowed")
+        self.assert_none("silent overflow", [(p, d) for p, d in zip(found, double) if p.overflowed and p.status != "numeric overflow"])
+        self.assert_none("other status", [(p, d) for p, d in zip(found, double) if p.status != d.status])
+        self.assert_none("price", [(p, d) for p, d in pairs if p.cost_error(d) > COST[scalar]])
+        self.assert_none("end", [(p, d) for p, d in pairs if p.off_place_m > PLACE_M or p.off_angle_rad > ANGLE_RAD])
+        self.assert_none("samples", [(p, d) for p, d in pairs if p.off_legs_m > PLACE_M])
+        self.assert_none("duration", [(p, d) for p, d in alike if p.time_error(d) > 1])
+        return alike
+
+    def test_the_paper_s_method_plans_the_same(self):
+        double = plans("double", "paper")
+        for scalar in COST:
+            with self.subTest(scalar):
+                alike = self.compare(scalar, "paper", double, plans(scalar, "paper"))
+                self.assert_none("pose", [(p, d) for p, d in alike if p.place_error_m(d) > PLACE_M or p.angle_error_rad(d) > ANGLE_RAD])
+                self.assertGreater(len(alike), 0.99 * COUNT)
+
+    def test_the_optimal_method_plans_at_the_same_price(self):
+        double = plans("double", "optimal")
+        for scalar in COST:
+            with self.subTest(scalar):
+                alike = self.compare(scalar, "optimal", double, plans(scalar, "optimal"))
+                self.assertGreater(len(alike), SAME_WAY[scalar] * COUNT)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1 and sys.argv[1] in METHODS:
+        for task in map(int, sys.argv[2:]):
+            for scalar in ("double", *COST):
+                print(task, f"{scalar:6}", *plans(scalar, sys.argv[1], task, task + 1))
+    else:
+        unittest.main()
