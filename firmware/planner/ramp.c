@@ -1,8 +1,9 @@
 #include "planner/ramp.h"
 
-#include "planner/profile.h"
-
 #define N SSV_NUM_THRUSTERS
+
+// More than any ramp has stretches.
+#define MAX_STEPS 48
 
 // Two laws closer than this fraction of their size are one law: the rest is rounding.
 #define SAME_LAW real_max(REAL(1e-11), 16 * REAL_NOISE)
@@ -225,7 +226,7 @@ bool ssv_ramp_extend(const ssv_steering_t* s, ssv_policy_t policy, real_t top, i
     const int side = policy == SSV_SPEED_UP || policy == SSV_THRIFTY_UP ? FORWARDS : BACKWARDS;
     real_t v = ssv_ramp_top(ramp), next = v;
     walk_t walk = {-1, -1};
-    for (int n = 0; n < 2 * SSV_MAX_PROFILE_PIECES && v < top; n++) {
+    for (int n = 0; n < MAX_STEPS && v < top; n++) {
         int law, way = -1;
         if (policy == SSV_THRIFTY_UP || policy == SSV_THRIFTY_SLOW) {
             law = thrifty_law(s, side, &walk, v, top, &next, &way);

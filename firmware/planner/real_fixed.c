@@ -1,6 +1,8 @@
-// Q31.32 (ssv/real_fixed.h). Inside the transcendental functions numbers have 62 or 61 bits after the point ("q62", "q61").
-#include "ssv/real_fixed.h"
+// Q31.32 (ssv/real_fixed.h); nothing where another scalar is built. Inside the transcendental functions numbers have 62 or 61
+// bits after the point ("q62", "q61").
+#include "ssv/real.h"
 
+#if defined SSV_REAL_FIXED
 #include <stdatomic.h>
 
 #define ONE_Q32 ((int64_t)1 << 32)
@@ -259,3 +261,4 @@ real_t real_atan2(real_t y, real_t x) {
     const real_t rounded = (angle + ((int64_t)1 << 28)) >> 29;
     return y < 0 ? -rounded : rounded;
 }
+#endif

@@ -40,8 +40,8 @@
 
 #define REAL_PI REAL(3.14159265358979323846)
 
-static inline real_t real_sq(real_t a) { return real_mul(a, a); }
-static inline real_t real_min(real_t a, real_t b) { return a < b ? a : b; }
-static inline real_t real_max(real_t a, real_t b) { return a > b ? a : b; }
+inline real_t real_sq(real_t a) { return real_mul(a, a); }
+inline real_t real_min(real_t a, real_t b) { return a < b ? a : b; }
+inline real_t real_max(real_t a, real_t b) { return a > b ? a : b; }
 
 #endif

@@ -15,29 +15,29 @@ typedef double real_t;
 #define REAL_MAX DBL_MAX
 #define REAL_NOISE DBL_EPSILON
 
-static inline real_t real_mul(real_t a, real_t b) { return a * b; }
-static inline real_t real_div(real_t a, real_t b) { return a / b; }
-static inline real_t real_abs(real_t a) { return fabs(a); }
-static inline real_t real_sqrt(real_t a) { return sqrt(a); }
-static inline real_t real_log1p(real_t a) { return log1p(a); }
-static inline real_t real_expm1(real_t a) { return expm1(a); }
-static inline real_t real_sin(real_t a) { return sin(a); }
-static inline real_t real_cos(real_t a) { return cos(a); }
-static inline real_t real_tan(real_t a) { return tan(a); }
-static inline real_t real_atan2(real_t y, real_t x) { return atan2(y, x); }
-static inline real_t real_from_int(int a) { return (real_t)a; }
+inline real_t real_mul(real_t a, real_t b) { return a * b; }
+inline real_t real_div(real_t a, real_t b) { return a / b; }
+inline real_t real_abs(real_t a) { return fabs(a); }
+inline real_t real_sqrt(real_t a) { return sqrt(a); }
+inline real_t real_log1p(real_t a) { return log1p(a); }
+inline real_t real_expm1(real_t a) { return expm1(a); }
+inline real_t real_sin(real_t a) { return sin(a); }
+inline real_t real_cos(real_t a) { return cos(a); }
+inline real_t real_tan(real_t a) { return tan(a); }
+inline real_t real_atan2(real_t y, real_t x) { return atan2(y, x); }
+inline real_t real_from_int(int a) { return (real_t)a; }
 static inline real_t real_from_double(double a) { return a; }
 static inline double real_to_double(real_t a) { return a; }
-static inline bool real_is_finite(real_t a) { return isfinite(a); }
-static inline real_t real_scale(real_t a, int n) { return n == 0 ? a : ldexp(a, n); }
-static inline uint32_t real_overflows(void) { return 0; }
+inline bool real_is_finite(real_t a) { return isfinite(a); }
+inline real_t real_scale(real_t a, int n) { return n == 0 ? a : ldexp(a, n); }
+inline uint32_t real_overflows(void) { return 0; }
 
-static inline int real_exponent(real_t a) {
+inline int real_exponent(real_t a) {
     (void)a;
     return 0;
 }
 
-static inline uint64_t real_bits(real_t a) {
+inline uint64_t real_bits(real_t a) {
     const double d = a + 0.0;
     uint64_t bits = 0;
     memcpy(&bits, &d, sizeof bits);

@@ -42,13 +42,13 @@ real_t real_tan(real_t a);
 real_t real_atan2(real_t y, real_t x);
 uint32_t real_overflows(void);
 
-static inline real_t real_abs(real_t a) { return a < 0 ? -a : a; }
-static inline real_t real_from_int(int a) { return (real_t)a * ((real_t)1 << 32); }
-static inline uint64_t real_bits(real_t a) { return (uint64_t)a; }
+inline real_t real_abs(real_t a) { return a < 0 ? -a : a; }
+inline real_t real_from_int(int a) { return (real_t)a * ((real_t)1 << 32); }
+inline uint64_t real_bits(real_t a) { return (uint64_t)a; }
 
 /// Three values stand for what is no number: INT64_MIN for NaN, +-INT64_MAX for the infinities. They are for checks at the
 /// boundary only; nothing else may calculate with them.
-static inline bool real_is_finite(real_t a) { return a > -INT64_MAX && a < INT64_MAX; }
+inline bool real_is_finite(real_t a) { return a > -INT64_MAX && a < INT64_MAX; }
 
 /// To the nearest, ties away from zero; what is beyond REAL_MAX becomes +-REAL_MAX, without counting as an overflow.
 static inline real_t real_from_double(double a) {

@@ -1,0 +1,43 @@
+// Where the compiler does not inline a function of these headers it calls the one here: small builds hold each once.
+#include "ssv/vec3.h"
+
+extern real_t real_mul(real_t a, real_t b);
+extern real_t real_div(real_t a, real_t b);
+extern real_t real_abs(real_t a);
+extern real_t real_sqrt(real_t a);
+extern real_t real_log1p(real_t a);
+extern real_t real_expm1(real_t a);
+extern real_t real_sin(real_t a);
+extern real_t real_cos(real_t a);
+extern real_t real_tan(real_t a);
+extern real_t real_atan2(real_t y, real_t x);
+extern real_t real_from_int(int a);
+extern bool real_is_finite(real_t a);
+extern real_t real_scale(real_t a, int n);
+extern uint32_t real_overflows(void);
+extern int real_exponent(real_t a);
+extern uint64_t real_bits(real_t a);
+extern real_t real_sq(real_t a);
+extern real_t real_min(real_t a, real_t b);
+extern real_t real_max(real_t a, real_t b);
+extern vec3_t vec3(real_t x, real_t y, real_t z);
+extern vec3_t vec3_add(vec3_t a, vec3_t b);
+extern vec3_t vec3_sub(vec3_t a, vec3_t b);
+extern vec3_t vec3_neg(vec3_t a);
+extern vec3_t vec3_scale(real_t s, vec3_t a);
+extern vec3_t vec3_mul(vec3_t a, vec3_t b);
+extern real_t vec3_dot(vec3_t a, vec3_t b);
+extern vec3_t vec3_cross(vec3_t a, vec3_t b);
+extern real_t vec3_norm(vec3_t a);
+extern vec3_t vec3_unit(vec3_t a);
+extern vec3_t vec3_perpendicular(vec3_t a);
+extern quat_t quat_identity(void);
+extern quat_t quat_conj(quat_t a);
+extern real_t quat_norm(quat_t a);
+extern quat_t quat_unit(quat_t a);
+extern quat_t quat_mul(quat_t a, quat_t b);
+extern vec3_t quat_apply(quat_t q_AB, vec3_t v_B);
+extern quat_t quat_from_axis_angle(vec3_t axis, real_t angle_rad);
+extern quat_t quat_between(vec3_t from, vec3_t to);
+extern pose_t pose_mul(pose_t X_AB, pose_t X_BC);
+extern pose_t pose_inv(pose_t X_AB);
