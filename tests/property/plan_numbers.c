@@ -1,4 +1,4 @@
-/// Plans tasks drawn from SEED and prints a line of numbers for each, for test_scalars.py to compare between scalars.
+/// Plans the shipped scenarios, then tasks drawn from SEED, and prints a line of numbers for each, for test_scalars.py to compare between scalars.
 /// Usage: plan_numbers SEED METHOD FIRST STEP COUNT; METHOD is that of ssv_method_t, and every STEP-th task from FIRST up to
 /// COUNT is planned. A line has the task's number, the status, whether a result did not fit the scalar, and of a plan J, time,
 /// impulse, contact, attach height, ring angle, the beam's half length, the standoff, port position and axis, the final poses of
@@ -7,7 +7,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "shipped.h"
 #include "tasks.h"
+
+#define NUM_SHIPPED ((int)(sizeof shipped / sizeof *shipped))
 
 static void print_real(real_t value) { printf(" %.17g", real_to_double(value)); }
 
@@ -31,7 +34,8 @@ static double off_the_legs_m(const ssv_plan_t* plan) {
         const ssv_leg_t* leg = &plan->leg[k];
         ssv_sample_t sample;
         ssv_plan_sample(plan, leg->t_start_s + leg->duration_s - MOMENT_S, &sample);
-        if (sample.leg == k) most = real_max(most, vec3_norm(vec3_sub(sample.X_IS.p, leg->X_IS_end.p)));
+        const vec3_t off = vec3_sub(sample.X_IS.p, leg->X_IS_end.p);
+        if (sample.leg == k) most = real_max(most, real_abs(off.x) + real_abs(off.y) + real_abs(off.z));
     }
     return real_to_double(most);
 }
@@ -65,7 +69,7 @@ int main(int argc, char** argv) {
     const int method = atoi(argv[2]), first = atoi(argv[3]), step = atoi(argv[4]), count = atoi(argv[5]);
     for (int i = first; i < count; i += step) {
         task_seed(seed + (uint64_t)i);
-        ssv_scenario_t scenario = task_random();
+        ssv_scenario_t scenario = i < NUM_SHIPPED ? shipped[i].scenario : task_random();
         scenario.method = (ssv_method_t)method;
         scenario.want_candidates = false;
         ssv_fault_t fault;

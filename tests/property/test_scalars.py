@@ -1,4 +1,4 @@
-"""The planner in float and in fixed point against the planner in double: seeded random tasks, and the shipped scenarios.
+"""The planner in float and in fixed point against the planner in double: the shipped scenarios, and seeded random tasks.
 
 The same doubles describe a task to all three; each rounds them to its own scalar. SSV_SEED=N draws other tasks. By themselves,
 `test_scalars.py METHOD TASK...` (environment as ctest sets it) shows what the three make of single tasks.
@@ -94,11 +94,11 @@ class Plan:
                 f"height {self.height_m:+.6f} m, ring {self.ring_rad:+.6f} rad, legs {[round(c, 6) for c in self.lengths]}")
 
 
-def plans(scalar, method, first=0, count=COUNT, step=1):
-    """The lines of tasks first, first + step, ... below count, planned on all cores."""
+def plans(scalar, method, first=0, count=COUNT):
+    """The tasks from first up to count, planned on all cores."""
     cores = os.cpu_count() or 1
     command = [os.environ[f"SSV_NUMBERS_{scalar}"], str(SEED), str(METHODS[method])]
-    workers = [subprocess.Popen([*command, *map(str, (first + step * k, step * cores, count))], stdout=subprocess.PIPE, text=True)
+    workers = [subprocess.Popen([*command, str(first + k), str(cores), str(count)], stdout=subprocess.PIPE, text=True)
                for k in range(cores)]
     outputs = [worker.communicate()[0] for worker in workers]
     if any(worker.returncode for worker in workers):
