@@ -20,24 +20,46 @@ typedef struct {
     real_t weight_time, weight_impulse;
 } leg_t;
 
+// A change of speed: its cost rate C = L(v, a) - lambda v, and |a|.
+typedef struct {
+    real_t cost, a;
+} change_t;
+
+// The least of C / |a| on one side, which is at the limit or where some thruster idles before it. C_rest is what does not depend
+// on the thrusters that act.
+static change_t cheapest_change(const leg_t* leg, const real_t idle[N], real_t C_rest, real_t limit) {
+    change_t best = {REAL(0), REAL(0)};
+    const bool up = limit > REAL(0);
+    for (int j = -1; j < leg->laws.num; j++) {
+        const real_t a = j < 0 ? limit : idle[j], size = real_abs(a);
+        if (j >= 0 && (up ? a <= REAL(0) || a >= limit : a >= REAL(0) || a <= limit)) continue;
+        real_t sum = REAL(0);
+        for (int k = 0; k < leg->laws.num; k++) sum += real_mul(leg->laws.weight[k], real_abs(a - idle[k]));
+        const real_t cost = C_rest + real_mul(leg->weight_impulse, sum);
+        if (j < 0 || real_mul(cost, best.a) < real_mul(best.cost, size)) best = (change_t){cost, size};
+        if (!(leg->weight_impulse > REAL(0))) break; // only time counts
+    }
+    return best;
+}
+
 // G for ramps up to this peak, lambda being right for it, and the distance that they take.
 static real_t ramps(const leg_t* leg, real_t peak, real_t lambda, real_t* distance) {
     const ssv_laws_t* laws = &leg->laws;
     real_t sum = REAL(0), way = REAL(0);
     for (int n = 0; n < NUM_NODES; n++) {
         const real_t v = real_mul(peak, node[n]);
-        real_t idle[N], up, down;
-        ssv_laws_idle(laws, v, idle);
-        up = idle[0] + laws->limit[0];
-        down = idle[0] - laws->limit[0];
-        for (int k = 1; k < laws->num; k++) {
-            up = real_min(up, idle[k] + laws->limit[k]);
-            down = real_max(down, idle[k] - laws->limit[k]);
+        real_t idle[N], up = REAL(0), down = REAL(0), passive = REAL(0);
+        for (int k = 0; k < laws->num; k++) {
+            idle[k] = real_mul(v, laws->linear[k] + real_mul(laws->quadratic[k], v));
+            up = k == 0 ? idle[k] + laws->limit[k] : real_min(up, idle[k] + laws->limit[k]);
+            down = k == 0 ? idle[k] - laws->limit[k] : real_max(down, idle[k] - laws->limit[k]);
         }
         if (!(up > REAL(0)) || !(down < REAL(0))) continue; // rounding next to the terminal speed
-        const real_t rest = leg->weight_time - real_mul(lambda, v) + real_mul(leg->weight_impulse, ssv_passive_thrust(laws, v));
-        const ssv_change_t faster = ssv_cheapest_change(laws, idle, leg->weight_impulse, rest, up, NULL);
-        const ssv_change_t slower = ssv_cheapest_change(laws, idle, leg->weight_impulse, rest, down, NULL);
+        for (int k = 0; k < laws->num_passive; k++) {
+            passive += real_abs(laws->passive_linear[k] + real_mul(laws->passive_quadratic[k], v));
+        }
+        const real_t C_rest = leg->weight_time - real_mul(lambda, v) + real_mul(leg->weight_impulse, real_mul(passive, v));
+        const change_t faster = cheapest_change(leg, idle, C_rest, up), slower = cheapest_change(leg, idle, C_rest, down);
         const real_t per_faster = real_div(weight[n], faster.a), per_slower = real_div(weight[n], slower.a);
         sum += real_mul(faster.cost, per_faster) + real_mul(slower.cost, per_slower);
         way += real_mul(v, per_faster + per_slower);

@@ -107,31 +107,3 @@ real_t ssv_cruise_speed(const ssv_thrusts_t* thrusts, real_t weight_time, real_t
     }
     return v;
 }
-
-void ssv_laws_idle(const ssv_laws_t* laws, real_t v, real_t idle[N]) {
-    for (int k = 0; k < laws->num; k++) idle[k] = real_mul(v, laws->linear[k] + real_mul(laws->quadratic[k], v));
-}
-
-ssv_change_t ssv_cheapest_change(const ssv_laws_t* laws, const real_t idle[N], real_t weight_impulse, real_t rest, real_t limit,
-                                 const bool* coasts) {
-    ssv_change_t best = {REAL(0), REAL(0), -1};
-    const bool up = limit > REAL(0);
-    for (int j = -1; j < laws->num; j++) {
-        const real_t a = j < 0 ? limit : idle[j], size = real_abs(a);
-        if (j >= 0 && ((coasts != NULL && !coasts[j]) || (up ? a <= REAL(0) || a >= limit : a >= REAL(0) || a <= limit))) continue;
-        real_t sum = REAL(0);
-        for (int k = 0; k < laws->num; k++) sum += real_mul(laws->weight[k], real_abs(a - idle[k]));
-        const real_t cost = rest + real_mul(weight_impulse, sum);
-        if (j < 0 || real_mul(cost, best.a) < real_mul(best.cost, size)) best = (ssv_change_t){cost, size, j};
-        if (!(weight_impulse > REAL(0))) break; // only time counts
-    }
-    return best;
-}
-
-real_t ssv_passive_thrust(const ssv_laws_t* laws, real_t v) {
-    real_t sum = REAL(0);
-    for (int k = 0; k < laws->num_passive; k++) {
-        sum += real_abs(laws->passive_linear[k] + real_mul(laws->passive_quadratic[k], v));
-    }
-    return real_mul(sum, v);
-}

@@ -48,23 +48,4 @@ real_t ssv_terminal_speed(const ssv_thrusts_t* thrusts, real_t most);
 /// Cheapest speed in (0, top] to hold: the least of (weight_time + weight_impulse * holding thrust) / v, which is convex in 1 / v.
 real_t ssv_cruise_speed(const ssv_thrusts_t* thrusts, real_t weight_time, real_t weight_impulse, real_t top);
 
-/// dv/dt at a speed without the thrust of each thruster in turn.
-void ssv_laws_idle(const ssv_laws_t* laws, real_t v, real_t idle[SSV_NUM_THRUSTERS]);
-
-/// The change of speed a, up or down, that costs the least per unit of it beyond what the distance covered is worth: the least of
-/// (L(v, a) - lambda v) / |a|, which is at the limit or where some thruster idles before it.
-typedef struct {
-    real_t cost, a; ///< L(v, a) - lambda v, and |a|
-    int idle;       ///< the thruster that idles; -1 at the limit
-} ssv_change_t;
-
-/// @param rest   weight_time - lambda v + weight_impulse * the passive thrusters' thrust
-/// @param limit  dv/dt at the limit
-/// @param coasts which thrusters may idle; NULL: all
-ssv_change_t ssv_cheapest_change(const ssv_laws_t* laws, const real_t idle[SSV_NUM_THRUSTERS], real_t weight_impulse, real_t rest,
-                                 real_t limit, const bool* coasts);
-
-/// Thrust of the passive thrusters at a speed, all together.
-real_t ssv_passive_thrust(const ssv_laws_t* laws, real_t v);
-
 #endif
