@@ -204,8 +204,8 @@ typedef struct {
     int first_piece, num_pieces;  ///< into plan.piece
 } ssv_leg_t;
 
-/// A stretch of the thruster timeline; each thrust runs on a straight line from its start to its end value. Each segment
-/// carries the exact impulse of each thruster.
+/// A stretch of the thruster timeline; each thrust runs on a straight line from its start to its end value, with the impulse and
+/// the first moment of what the motion asks for.
 typedef struct {
     real_t t_s;                   ///< [s] start, since plan start
     real_t duration_s;            ///< [s] > 0
