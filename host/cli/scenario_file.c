@@ -544,6 +544,19 @@ static void check_unit(error_t* error, const char* key, const double* values, in
     }
 }
 
+/// v turned by the attitude q. Plain doubles: this file serves programs of every scalar, and ssv/vec3.h is that of one.
+static void turn(const double q[4], const double v[3], double turned[3]) {
+    const double n = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    const double w = q[0] / n, e[3] = {q[1] / n, q[2] / n, q[3] / n};
+    double t[3];
+    for (int i = 0, j = 1, k = 2; i < 3; i++, j = (j + 1) % 3, k = (k + 1) % 3) {
+        t[i] = 2 * (e[j] * v[k] - e[k] * v[j]);
+    }
+    for (int i = 0, j = 1, k = 2; i < 3; i++, j = (j + 1) % 3, k = (k + 1) % 3) {
+        turned[i] = v[i] + (w * t[i] + (e[j] * t[k] - e[k] * t[j]));
+    }
+}
+
 /// The port in I from the hub's pose (scenario file) and the port in H (model file).
 static void hub_convert(error_t* scenario_error, error_t* model_error, const hub_text_t* hub, const hub_model_text_t* model,
                         lcm_ssv_port_t* port) {
@@ -567,11 +580,11 @@ static void hub_convert(error_t* scenario_error, error_t* model_error, const hub
     if (error_is_set(scenario_error)) {
         return;
     }
-    const quat_t q = quat_unit((quat_t){q_IH[0], q_IH[1], q_IH[2], q_IH[3]});
-    const vec3_t p_IP_m = vec3_add(vec3(p_IH_m[0], p_IH_m[1], p_IH_m[2]),
-                                   quat_apply(q, vec3(p_HP_m[chosen][0], p_HP_m[chosen][1], p_HP_m[chosen][2])));
-    const vec3_t axis_I = quat_apply(q, vec3(axis_H[chosen][0], axis_H[chosen][1], axis_H[chosen][2]));
-    *port = (lcm_ssv_port_t){{p_IP_m.x, p_IP_m.y, p_IP_m.z}, {axis_I.x, axis_I.y, axis_I.z}};
+    turn(q_IH, p_HP_m[chosen], port->p_IP_m);
+    turn(q_IH, axis_H[chosen], port->axis_I);
+    for (int i = 0; i < 3; i++) {
+        port->p_IP_m[i] += p_IH_m[i];
+    }
 }
 
 static void scenario_convert(error_t* error, const scenario_text_t* text, lcm_ssv_scenario_t* scenario) {
