@@ -575,6 +575,67 @@ static void report_ratios(report_t* report, const row_t* rows, int count) {
     }
 }
 
+// ---- Scalars ------------------------------------------------------------------------------------------------------------
+
+#define SCALAR_REPEATS 100
+
+/// The core's symbols are the same in every scalar, so each has a program of its own.
+static const struct {
+    const char *name, *program;
+} scalars[] = {{"double", SSV_TIME_double}, {"float", SSV_TIME_float}, {"fixed", SSV_TIME_fixed}};
+#define NUM_SCALARS ((int)(sizeof scalars / sizeof scalars[0]))
+
+typedef struct {
+    char scenario[64], method[16];
+    samples_t plan_ms, price_ms;
+} timed_t;
+
+/// @return the number of rows: scenarios and methods in the order they are printed.
+static int read_times(const char* program, timed_t rows[MAX_ROWS]) {
+    char command[4096], scenario[64], method[16];
+    double plan_time_ms = 0, price_time_ms = 0;
+    int count = 0;
+    snprintf(command, sizeof command, "'%s' %d", program, SCALAR_REPEATS);
+    FILE* times = popen(command, "r");
+    if (times == NULL) give_up(program);
+    while (fscanf(times, "%63s %15s %lf %lf", scenario, method, &plan_time_ms, &price_time_ms) == 4) {
+        int k = 0;
+        while (k < count && (strcmp(rows[k].scenario, scenario) != 0 || strcmp(rows[k].method, method) != 0)) k++;
+        if (k == MAX_ROWS) give_up("too many scenarios");
+        if (k == count) {
+            rows[count] = (timed_t){0};
+            snprintf(rows[count].scenario, sizeof rows[count].scenario, "%s", scenario);
+            snprintf(rows[count++].method, sizeof rows[0].method, "%s", method);
+        }
+        samples_add(&rows[k].plan_ms, plan_time_ms);
+        samples_add(&rows[k].price_ms, price_time_ms);
+    }
+    if (pclose(times) != 0) give_up(program);
+    return count;
+}
+
+static void report_scalars(report_t* report) {
+    static timed_t rows[NUM_SCALARS][MAX_ROWS];
+    int count = 0;
+    for (int s = 0; s < NUM_SCALARS; s++) count = read_times(scalars[s].program, rows[s]);
+    report_section(report, "scalars",
+                   "Scenarios of host/scenarios in each scalar: times of a plan and of its price; on this machine, which has "
+                   "floating point");
+    for (int k = 0; k < count; k++) {
+        for (int s = 0; s < NUM_SCALARS; s++) {
+            timed_t* row = &rows[s][k];
+            report_row(report);
+            report_text(report, "scenario", row->scenario);
+            report_text(report, "method", row->method);
+            report_text(report, "scalar", scalars[s].name);
+            report_samples(report, "plan", "ms", &row->plan_ms);
+            report_samples(report, "price", "ms", &row->price_ms);
+            report_figure(report, "plan_over_double",
+                          samples_quantile(&row->plan_ms, 0.5) / samples_quantile(&rows[0][k].plan_ms, 0.5));
+        }
+    }
+}
+
 // ---- Memory -------------------------------------------------------------------------------------------------------------
 
 static void plan_once(void* problem) { plan_ms(problem); }
@@ -610,7 +671,8 @@ static const char manual[] =
     "Measures method paper, and method optimal with effort quick and best. For the scenarios in host/scenarios: times of "
     "plans, prices and lower bounds in process, and of plans as a round trip over LCM to an ssv-plannerd of its own, beside "
     "a fixed calibration loop. For random tasks: times, and prices against method paper for four pairs of weights. For "
-    "single legs: times of profiles, and of the paper's own Euler iteration. The memory that plans take. In the end the "
+    "single legs: times of profiles, and of the paper's own Euler iteration. Plans in float and in fixed point beside "
+    "double. The memory that plans take. In the end the "
     "project's goals, and whether they are met here."
     "\v"
     "It needs LCM over UDP multicast; `bash tests/run.sh -R bench -V` runs it in a private network. Takes about a "
@@ -645,6 +707,7 @@ int main(int argc, char** argv) {
     report_euler(&report);
     report_case_study(&report);
     report_ratios(&report, rows, count);
+    report_scalars(&report);
     report_memory(&report, rows, count);
     report_append(&report, &goals);
     if (json) {
