@@ -129,7 +129,7 @@ def disassembled(image):
 def compilers_frames(folder):
     """{function: [bytes of its frame as the compiler counts them, for each function of that name]}."""
     frames = {}
-    for file in folder.rglob("*.su"):
+    for file in folder.rglob("*.c.su"):
         for name, size in re.findall(r"^\S+:(\S+)\t(\d+)\t", file.read_text(), re.M):
             frames.setdefault(name, []).append(int(size))
     return frames
