@@ -592,14 +592,16 @@ class ScalarTest(InFolder):
         """Costs some 1e8, and the largest number of fixed point is 6.7e7."""
         return self.scenario(("p_IS_m: [0, 0, 0]", "p_IS_m: [-300, 0, 0]"), ("{time: 1, impulse: 1}", "{time: 1000, impulse: 1000}"))
 
-    def test_each_scalar_plans_and_quotes_the_case_study_much_alike_and_none_like_another(self):
-        plans = {scalar: self.answer("plan", PAPER_CASE, "--scalar", scalar) for scalar in ("double", "float", "fixed")}
-        self.assertEqual(without_stamp(plans["double"]), without_stamp(self.answer("plan", PAPER_CASE)))
-        self.assertEqual(len({plan["plan_hash"] for plan in plans.values()}), 3)
-        for scalar, plan in plans.items():
-            self.assertEqual(self.answer("quote", PAPER_CASE, "--scalar", scalar)["cost"], plan["cost"])
-            for key in self.NUMBERS:
-                self.assertAlmostEqual(plan["cost"][key] / plans["double"]["cost"][key], 1, delta=0.01)
+    def test_each_scalar_plans_and_quotes_the_scenarios_much_alike_and_none_like_another(self):
+        for path in SCENARIOS:
+            plans = {scalar: self.answer("plan", path, "--scalar", scalar) for scalar in ("double", "float", "fixed")}
+            self.assertEqual(without_stamp(plans["double"]), without_stamp(self.answer("plan", path)))
+            self.assertEqual(len({plan["plan_hash"] for plan in plans.values()}), 3)
+            for scalar, plan in plans.items():
+                with self.subTest(f"{path.stem} {scalar}"):
+                    self.assertEqual(self.answer("quote", path, "--scalar", scalar)["cost"], plan["cost"])
+                    for key in self.NUMBERS:
+                        self.assertAlmostEqual(plan["cost"][key] / plans["double"]["cost"][key], 1, delta=0.01)
 
     def test_the_programs_of_the_other_scalars_do_the_same_by_themselves_and_say_which_they_are(self):
         for scalar in ("float", "fixed"):
