@@ -8,34 +8,33 @@ static void wrench_add(ssv_wrench_t* sum, vec3_t force, vec3_t moment) {
 }
 
 // A strip at height z moves across the tube with a + b z; it takes |a + b z| (a + b z) per unit of drag and length.
-static ssv_wrench_t strip_panel(vec3_t a, vec3_t b, real_t z_from, real_t z_to) {
-    ssv_wrench_t sum = {vec3(REAL(0), REAL(0), REAL(0)), vec3(REAL(0), REAL(0), REAL(0))};
+static void add_strips(ssv_wrench_t* sum, vec3_t a, vec3_t b, real_t z_from, real_t z_to) {
+    if (!(z_to > z_from)) return;
     const real_t mid = real_mul(REAL(0.5), z_from + z_to), half = real_mul(REAL(0.5), z_to - z_from);
     for (int k = 0; k < GAUSS_NODES; k++) {
         const real_t z = mid + real_mul(half, gauss_node[k]);
-        const vec3_t v = vec3_add(a, vec3_scale(z, b));
-        const vec3_t f = vec3_scale(real_mul(real_mul(gauss_weight[k], half), vec3_norm(v)), v);
-        wrench_add(&sum, f, vec3(-real_mul(z, f.y), real_mul(z, f.x), REAL(0)));
+        const real_t x = a.x + real_mul(b.x, z), y = a.y + real_mul(b.y, z);
+        const real_t share = real_mul(real_mul(gauss_weight[k], half), real_sqrt(real_sq(x) + real_sq(y)));
+        const real_t f_x = real_mul(share, x), f_y = real_mul(share, y);
+        sum->force.x += f_x;
+        sum->force.y += f_y;
+        sum->moment.x -= real_mul(z, f_y);
+        sum->moment.y += real_mul(z, f_x);
     }
-    return sum;
 }
 
-// Strip theory in axes of B, moment about B. The panels meet where the strip is slowest: |a + b z| has its kink there.
+// Strip theory in axes of B, moment about B. Two panels meet where the strip is slowest, if it is one of the tube's: |a + b z|
+// has its kink there.
 static ssv_wrench_t strip_drag(const ssv_beam_t* beam, vec3_t v_B, vec3_t w_B) {
     const real_t half = real_mul(REAL(0.5), beam->length_m);
     const vec3_t a = vec3(v_B.x, v_B.y, REAL(0));
     const vec3_t b = vec3(w_B.y, -w_B.x, REAL(0));
-    const real_t bb = vec3_dot(b, b);
-    real_t z0 = REAL(0);
-    if (bb > REAL(0)) {
-        const real_t ab = vec3_dot(a, b);
-        z0 = real_abs(ab) < real_mul(half, bb) ? -real_div(ab, bb) : ab > REAL(0) ? -half : half;
-    }
-    const ssv_wrench_t below = strip_panel(a, b, -half, z0);
-    const ssv_wrench_t above = strip_panel(a, b, z0, half);
-    const ssv_wrench_t r = {vec3_scale(beam->drag_strip_kg_m2, vec3_add(below.force, above.force)),
-                            vec3_scale(beam->drag_strip_kg_m2, vec3_add(below.moment, above.moment))};
-    return r;
+    const real_t bb = vec3_dot(b, b), ab = vec3_dot(a, b);
+    const real_t z0 = real_abs(ab) < real_mul(half, bb) ? -real_div(ab, bb) : half;
+    ssv_wrench_t sum = {vec3(REAL(0), REAL(0), REAL(0)), vec3(REAL(0), REAL(0), REAL(0))};
+    add_strips(&sum, a, b, -half, z0);
+    add_strips(&sum, a, b, z0, half);
+    return (ssv_wrench_t){vec3_scale(beam->drag_strip_kg_m2, sum.force), vec3_scale(beam->drag_strip_kg_m2, sum.moment)};
 }
 
 // What one body asks for in its own frame Q, moving with v_Q, w_Q: momenta and drag.
@@ -67,7 +66,9 @@ void ssv_body_demand(const ssv_assembly_t* assembly, ssv_twist_t twist, ssv_dema
             wrench_add(&on_B.quadratic, strip.force, strip.moment);
         }
         add_on_S(&demand->accel, assembly->X_SB, on_B.accel);
-        add_on_S(&demand->linear, assembly->X_SB, on_B.linear);
+        if (beam->body.drag_lin_kg_s > REAL(0) || beam->body.drag_lin_ang_Nm_s > REAL(0)) {
+            add_on_S(&demand->linear, assembly->X_SB, on_B.linear);
+        }
         add_on_S(&demand->quadratic, assembly->X_SB, on_B.quadratic);
     }
     // Kirchhoff: dP/dt + w x P = F and dH/dt + w x H + v x P = M, with P and H per unit of speed in accel.

@@ -32,17 +32,20 @@ void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assemb
     }
 }
 
-bool ssv_flight_estimate(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_flight_t* flight, real_t* price) {
+bool ssv_moves_estimate(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t move[], int num_moves,
+                        real_t closeness, real_t* price) {
     const ssv_scenario_t* s = &problem->scenario;
     const real_t weight_time = ssv_leg_weight_time(s);
     *price = REAL(0);
-    for (int k = 0; k < flight->num_moves; k++) {
-        const ssv_move_t* move = &flight->move[k];
-        if (!(move->length > REAL(0))) continue;
+    for (int k = 0; k < num_moves; k++) {
+        if (!(move[k].length > REAL(0))) continue;
         ssv_thrusts_t thrusts;
         real_t cost, peak_speed;
-        ssv_move_thrusts(problem, assembly, move->twist, &thrusts);
-        if (!ssv_profile_estimate(&thrusts, weight_time, s->weight_impulse_per_Ns, move->length, &cost, &peak_speed)) return false;
+        ssv_move_thrusts(problem, assembly, move[k].twist, &thrusts);
+        if (!ssv_profile_estimate(&thrusts, weight_time, s->weight_impulse_per_Ns, move[k].length, closeness, &cost,
+                                  &peak_speed)) {
+            return false;
+        }
         *price += cost;
     }
     return true;

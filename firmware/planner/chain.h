@@ -38,9 +38,10 @@ ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, pose_t X_IS);
 /// Prices flight->move[0..num_moves) flown from X_IS and fills in the rest.
 void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, pose_t X_IS, ssv_flight_t* flight);
 
-/// About what flight->move[0..num_moves) cost together, the quick way. @return false if the thrusters cannot do one of them; then
-/// *price is meaningless.
-bool ssv_flight_estimate(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_flight_t* flight, real_t* price);
+/// About what moves cost together, by ssv_profile_estimate. @return false if the thrusters cannot do one of them; then *price is
+/// meaningless.
+bool ssv_moves_estimate(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t move[], int num_moves,
+                        real_t closeness, real_t* price);
 
 /// What both phases cost together, as ssv_chain_join adds it up.
 ssv_price_t ssv_chain_price(const ssv_flight_t* transit, const ssv_flight_t* transfer);

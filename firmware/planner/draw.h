@@ -10,16 +10,26 @@
 /// Axes, edges and diagonals of the body.
 #define SSV_NUM_DIRECTIONS 26
 
-/// The directions of the body that are cheap to fly along, and the price of a metre along each. If thrusters serve the vehicle
-/// rolled half a turn about x as well, the first num_upright stand for all.
+/// The thrusts that turns about S ask for at unit rate: for momentum, linear drag and quadratic drag.
+enum { SSV_TURN_ACCEL, SSV_TURN_LINEAR, SSV_TURN_QUADRATIC, SSV_NUM_TURN_PARTS };
 typedef struct {
+    vec3_t axis_S;               ///< the beam's z axis as it is held, across x
+    bool any[SSV_NUM_TURN_PARTS]; ///< whether there is such a part at all
+    real_t thrust[SSV_NUM_TURN_PARTS][3][SSV_NUM_THRUSTERS]; ///< about x, axis_S, and the third axis
+} ssv_turns_t;
+
+/// How the vehicle handles: the directions of its body that are cheap to fly along, the price of a metre along each, and its
+/// turns. If thrusters serve the vehicle rolled half a turn about x as well, the first num_upright stand for all.
+typedef struct {
+    bool either_way_up;
     int num, num_upright;
     real_t least;                ///< of the prices [1/m], also those not kept
     vec3_t n[SSV_NUM_DIRECTIONS];
     real_t price[SSV_NUM_DIRECTIONS]; ///< [1/m] see ssv_metre_price
-} ssv_directions_t;
+    ssv_turns_t turns;           ///< without a beam
+} ssv_handling_t;
 
-void ssv_cheap_directions(const ssv_problem_t* problem, ssv_directions_t* directions);
+void ssv_handling(const ssv_problem_t* problem, ssv_handling_t* handling);
 
 /// A place where the search may start.
 typedef struct {
@@ -32,12 +42,12 @@ typedef struct {
 typedef enum { SSV_HELD, SSV_SWUNG, SSV_ROLLED } ssv_carry_t;
 
 /// Starts of the transit: each cheap direction of the body along the way, and those that the attitudes at the ends fly along
-/// without a turn, rolled about the way between the attitudes that are the nearest to both ends. @return how many of `most`.
-int ssv_draw_transit(const ssv_task_t* task, const ssv_directions_t* directions, int most, ssv_start_t* list);
+/// without a turn, rolled about the way so that the first turn or the last is the smallest. @return how many of `most`.
+int ssv_draw_transit(const ssv_task_t* task, const ssv_handling_t* handling, int most, ssv_start_t* list);
 
 /// Starts of the transfer. Two small turns cost more than one large: so each cheap direction of the body along the way, the beam
 /// pointing as it lies, or as it docks, and the turn at the other end with all its spins. Or all of the turn is made on the way.
 /// The spins also decide on which sides of the beam the flight begins and ends, so how long it is. @return how many of `most`.
-int ssv_draw_transfer(const ssv_task_t* task, const ssv_directions_t* directions, ssv_carry_t carry, int most, ssv_start_t* list);
+int ssv_draw_transfer(const ssv_task_t* task, const ssv_handling_t* handling, ssv_carry_t carry, int most, ssv_start_t* list);
 
 #endif

@@ -6,8 +6,6 @@
 #define N SSV_NUM_THRUSTERS
 #define NUM_NODES 3
 #define NUM_GUESSES 5
-// Guesses of the peak this close together price the leg to the square of that.
-#define CLOSE REAL(0.1)
 // Terminal speed is only approached.
 #define BELOW_TERMINAL REAL(0.99999)
 
@@ -69,7 +67,7 @@ static real_t ramps(const leg_t* leg, real_t peak, real_t lambda, real_t* distan
 }
 
 bool ssv_profile_estimate(const ssv_thrusts_t* thrusts_SI, real_t weight_time_per_s, real_t weight_impulse_per_Ns,
-                          real_t distance_SI, real_t* price, real_t* peak_speed) {
+                          real_t distance_SI, real_t closeness, real_t* price, real_t* peak_speed) {
     leg_t leg;
     ssv_units_t unit;
     ssv_thrusts_t thrusts;
@@ -95,7 +93,7 @@ bool ssv_profile_estimate(const ssv_thrusts_t* thrusts_SI, real_t weight_time_pe
     for (int n = 0; n < NUM_GUESSES; n++) {
         const real_t last = peak, last_rest = rest;
         peak = real_mul(slope, real_sq(cruise)) > time_price ? real_sqrt(real_div(time_price, slope)) : cruise;
-        if (real_abs(peak - last) <= real_mul(CLOSE, peak)) break;
+        if (real_abs(peak - last) <= real_mul(closeness, peak)) break;
         real_t covered;
         const real_t holding = real_mul(leg.weight_impulse, ssv_holding_thrust(&thrusts, peak));
         const real_t lambda = real_div(leg.weight_time + holding, peak), G = ramps(&leg, peak, lambda, &covered);

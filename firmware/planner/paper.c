@@ -1,4 +1,5 @@
 #include "planner/bound.h"
+#include "planner/estimate.h"
 #include "planner/search.h"
 
 // What a straight flight costs at least. With the drag of a beam some thruster may have less to do than without.
@@ -68,8 +69,8 @@ static bool costs_at_least(const ssv_problem_t* problem, const ssv_grasp_t* gras
     if (lay_transfer(problem, &pair, grasp->contact, X_IS, 0, &to_port) > 1) return false;
     if (to_beam + straight_price(problem, &pair, &to_port.move[1]) >= price) return true;
     real_t estimate[2];
-    return ssv_flight_estimate(problem, &alone, &flight, &estimate[0]) &&
-           ssv_flight_estimate(problem, &pair, &to_port, &estimate[1]) &&
+    return ssv_moves_estimate(problem, &alone, flight.move, flight.num_moves, SSV_ESTIMATE_CLOSELY, &estimate[0]) &&
+           ssv_moves_estimate(problem, &pair, to_port.move, to_port.num_moves, SSV_ESTIMATE_CLOSELY, &estimate[1]) &&
            estimate[0] + estimate[1] >= real_mul(ESTIMATE_MARGIN, price);
 }
 

@@ -206,7 +206,7 @@ static ssv_outcome_t solve_optimal(leg_t* leg) {
     if (cruise < leg->top) cruise -= real_mul(TERMINAL_MARGIN, cruise); // a coast to where a drag turns never gets there
     real_t low = REAL(0), low_miss = -REAL(1), high = cruise, high_miss = REAL(0);
     bool was_above = true, bracketed = false;
-    (void)ssv_profile_estimate(&leg->thrusts, s->weight_time, s->weight_impulse, leg->distance, &price, &peak);
+    (void)ssv_profile_estimate(&leg->thrusts, s->weight_time, s->weight_impulse, leg->distance, SSV_ESTIMATE_CLOSELY, &price, &peak);
     if (peak > real_mul(NEARLY, cruise)) peak = cruise;
     for (int n = 0; n < MAX_FALSI; n++) {
         if (!thrifty_ramps(leg, peak)) return SSV_TOO_MANY_PIECES;

@@ -63,12 +63,12 @@ static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ss
     real_t promise[SSV_MAX_CANDIDATES], turns = REAL(0);
     const real_t* least = NULL; // of the promises after a look
     bool looked[SSV_MAX_CANDIDATES] = {false}, done[SSV_MAX_CANDIDATES] = {false};
-    ssv_directions_t directions;
+    ssv_handling_t handling;
     ssv_look_t look; // at the most promising
-    ssv_cheap_directions(problem, &directions);
+    ssv_handling(problem, &handling);
     for (int k = 0; k < quote->num_candidates; k++) {
         const ssv_candidate_t* candidate = &quote->candidate[k];
-        promise[k] = ssv_optimal_flights(problem, &directions, candidate->contact, candidate->attach_height_m);
+        promise[k] = ssv_optimal_flights(problem, &handling, candidate->contact, candidate->attach_height_m);
     }
     for (int n = 0; n < quote->num_candidates; n++) {
         const int next = least_of(promise, looked, quote->num_candidates);
@@ -78,7 +78,7 @@ static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ss
         const real_t flights = promise[next];
         done[next] = !all && least != NULL && (n >= num_looks[effort] || flights + real_mul(REAL(0.5), turns) >= *least);
         if (done[next]) continue;
-        promise[next] = ssv_optimal_look(problem, &directions, candidate->contact, candidate->attach_height_m, least, &look,
+        promise[next] = ssv_optimal_look(problem, &handling, candidate->contact, candidate->attach_height_m, least, &look,
                                          &quote->num_priced);
         if (least != NULL && promise[next] >= *least) continue;
         least = &promise[next];
@@ -92,7 +92,7 @@ static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ss
         if (n > 0 && !all && hopeless) break;
         ssv_candidate_t* candidate = &quote->candidate[next];
         done[next] = true;
-        improve(candidate, ssv_search_optimal(problem, &directions, candidate->contact, candidate->attach_height_m, effort,
+        improve(candidate, ssv_search_optimal(problem, &handling, candidate->contact, candidate->attach_height_m, effort,
                                               n == 0 ? &look : NULL, best, &quote->num_priced));
     }
 }

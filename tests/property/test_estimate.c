@@ -53,7 +53,7 @@ static void test_estimates_are_close_to_the_price_of_the_optimal_profile(void) {
         const ssv_move_t move = random_move(&problem, &thrusts);
         const ssv_rule_t rule = {SSV_OPTIMAL, REAL(0), W1, W2, REAL(0)};
         if (ssv_profile_solve(&thrusts, &rule, move.length, &profile) != SSV_FEASIBLE) continue;
-        TEST_ASSERT_TRUE(ssv_profile_estimate(&thrusts, W1, W2, move.length, &estimate, &peak));
+        TEST_ASSERT_TRUE(ssv_profile_estimate(&thrusts, W1, W2, move.length, SSV_ESTIMATE_CLOSELY, &estimate, &peak));
         const double J = w[0] * real_to_double(profile.duration_s) + w[1] * real_to_double(profile.impulse_Ns);
         const double off = real_to_double(estimate) / J - 1;
         lowest = fmin(lowest, off);

@@ -110,9 +110,10 @@ inline quat_t quat_from_axis_angle(vec3_t axis, real_t angle_rad) {
 inline quat_t quat_between(vec3_t from, vec3_t to) {
     const vec3_t e = vec3_cross(from, to);
     const quat_t q = {REAL(1) + vec3_dot(from, to), e.x, e.y, e.z};
+    const real_t n = quat_norm(q);
+    if (n > REAL(1e-8)) return (quat_t){real_div(q.w, n), real_div(q.x, n), real_div(q.y, n), real_div(q.z, n)};
     const vec3_t side = vec3_perpendicular(from);
-    const quat_t half_turn = {REAL(0), side.x, side.y, side.z};
-    return quat_norm(q) > REAL(1e-8) ? quat_unit(q) : half_turn;
+    return (quat_t){REAL(0), side.x, side.y, side.z};
 }
 
 /// X_AC = X_AB X_BC.
