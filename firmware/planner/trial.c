@@ -14,10 +14,8 @@ quat_t ssv_attitude(vec3_t a_S, vec3_t b_S, vec3_t a_I, vec3_t b_I) {
     const vec3_t b = quat_apply(q, b_S);
     const vec3_t from = vec3_sub(b, vec3_scale(vec3_dot(b, a_I), a_I)), to = vec3_sub(b_I, vec3_scale(vec3_dot(b_I, a_I), a_I));
     if (!(real_min(vec3_norm(from), vec3_norm(to)) > REAL(1e-6))) return q;
-    // Half a turn goes about a_I too.
-    const vec3_t u = vec3_unit(from), v = vec3_unit(to), e = vec3_cross(u, v);
-    const quat_t roll = {REAL(1) + vec3_dot(u, v), e.x, e.y, e.z}, half_turn = {REAL(0), a_I.x, a_I.y, a_I.z};
-    return quat_unit(quat_mul(quat_norm(roll) > REAL(1e-6) ? quat_unit(roll) : half_turn, q));
+    const real_t roll = real_atan2(vec3_dot(a_I, vec3_cross(from, to)), vec3_dot(from, to));
+    return quat_unit(quat_mul(quat_from_axis_angle(a_I, roll), q));
 }
 
 static quat_t rotation_of(vec3_t x) {
