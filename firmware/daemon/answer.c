@@ -209,7 +209,7 @@ static ssv_status_t check(const lcm_ssv_scenario_t* question, int64_t epoch_us, 
     return checked;
 }
 
-static void front_to_wire(const ssv_problem_t* problem, lcm_ssv_quote_t* wire) {
+static void front_to_wire(ssv_problem_t* problem, lcm_ssv_quote_t* wire) {
     ssv_front_t front;
     ssv_front(problem, &front);
     wire->num_front = front.num_points;
@@ -219,7 +219,7 @@ static void front_to_wire(const ssv_problem_t* problem, lcm_ssv_quote_t* wire) {
 }
 
 /// The core's quote in words of the wire, with the front if that is asked for.
-static void quote_to_wire(const ssv_problem_t* problem, const ssv_quote_t* quote, bool want_front, lcm_ssv_quote_t* wire) {
+static void quote_to_wire(ssv_problem_t* problem, const ssv_quote_t* quote, bool want_front, lcm_ssv_quote_t* wire) {
     wire->scenario_hash = (int64_t)quote->scenario_hash;
     wire->num_candidates = quote->num_candidates;
     for (int i = 0; i < quote->num_candidates; i++) {

@@ -41,14 +41,8 @@ static void keep(ssv_start_t* list, int* num, int most, const ssv_trial_t* trial
     list[k] = (ssv_start_t){*trial, price, REAL(0)};
 }
 
-// The thrusts that turns about S ask for at unit rate about x, y and z, the beam held along +y and all of it rolled about x, as if
-// the vehicle were a sphere: what stays, what goes with the cosine of the roll, and what with its sine.
-typedef struct {
-    bool any[SSV_NUM_TURN_PARTS];
-    real_t thrust[SSV_NUM_TURN_PARTS][3][3][SSV_NUM_THRUSTERS];
-} rolled_turns_t;
-
-static void roll_turns(const ssv_problem_t* problem, const ssv_assembly_t* assembly, rolled_turns_t* turns) {
+// Fills the turns with this assembly, as if the vehicle were a sphere.
+static void roll_turns(const ssv_problem_t* problem, const ssv_assembly_t* assembly, ssv_rolled_turns_t* turns) {
     const vec3_t zero = vec3(REAL(0), REAL(0), REAL(0));
     for (int part = 0; part < SSV_NUM_TURN_PARTS; part++) turns->any[part] = false;
     for (int k = 0; k < 3; k++) {
@@ -71,7 +65,7 @@ static void roll_turns(const ssv_problem_t* problem, const ssv_assembly_t* assem
     }
 }
 
-static void turns_at(const rolled_turns_t* rolled, vec3_t axis_S, ssv_turns_t* turns) {
+static void turns_at(const ssv_rolled_turns_t* rolled, vec3_t axis_S, ssv_turns_t* turns) {
     turns->axis_S = axis_S;
     for (int part = 0; part < SSV_NUM_TURN_PARTS; part++) {
         turns->any[part] = rolled->any[part];
@@ -158,9 +152,8 @@ void ssv_handling(const ssv_problem_t* problem, ssv_handling_t* d) {
         if (up == 1) d->num_upright = d->num;
     }
     const ssv_assembly_t alone = ssv_vehicle_alone(problem);
-    rolled_turns_t rolled;
-    roll_turns(problem, &alone, &rolled);
-    turns_at(&rolled, vec3(REAL(0), REAL(1), REAL(0)), &d->turns);
+    roll_turns(problem, &alone, &d->rolled);
+    turns_at(&d->rolled, vec3(REAL(0), REAL(1), REAL(0)), &d->turns);
     d->either_way_up = serves_both_ways_up(problem);
     if (!d->either_way_up) d->num_upright = d->num;
 }
@@ -243,7 +236,7 @@ static void keep_spins(const ssv_task_t* task, const ssv_turns_t* turns, int spu
     }
 }
 
-int ssv_draw_transfer(const ssv_task_t* task, const ssv_handling_t* handling, ssv_carry_t carry, int most, ssv_start_t* list) {
+int ssv_draw_transfer(const ssv_task_t* task, ssv_handling_t* handling, ssv_carry_t carry, int most, ssv_start_t* list) {
     const ssv_scenario_t* s = &task->problem->scenario;
     const vec3_t* axis_I = task->transfer.axis_I;
     const vec3_t way = vec3_sub(task->hold_I[1], task->hold_I[0]);
@@ -252,10 +245,8 @@ int ssv_draw_transfer(const ssv_task_t* task, const ssv_handling_t* handling, ss
     const ssv_assembly_t assembly = {&s->vehicle, &s->beam,
                                      {vec3(s->standoff_m, -task->height_m, REAL(0)),
                                       quat_between(vec3(REAL(0), REAL(0), REAL(1)), vec3(REAL(0), REAL(1), REAL(0)))}};
-    rolled_turns_t rolled;
-    ssv_turns_t turns;
     int num = 0;
-    roll_turns(task->problem, &assembly, &rolled);
+    roll_turns(task->problem, &assembly, &handling->rolled);
     for (int variant = 0; variant < (carry == SSV_SWUNG ? SSV_NUM_SPINS : SSV_NUM_ENDS); variant++) {
         if (carry == SSV_SWUNG && variant > LAST_SWING && variant < SSV_NUM_SPINS - LAST_SWING) continue;
         // A swing goes from where the beam lies to where it docks, half of it before the middle of the way.
@@ -266,7 +257,7 @@ int ssv_draw_transfer(const ssv_task_t* task, const ssv_handling_t* handling, ss
                 ssv_trial_t trial = {.n_S = handling->n[k]};
                 const int end = carry == SSV_SWUNG ? 0 : variant, other_end = 1 - end;
                 if (!point_beam(side, direction_I, carry == SSV_SWUNG ? middle_axis_I : axis_I[end], &trial)) continue;
-                turns_at(&rolled, trial.axis_S, &turns);
+                turns_at(&handling->rolled, trial.axis_S, &handling->carried);
                 if (carry == SSV_SWUNG) {
                     set_twist(quat_apply(quat_conj(trial.q_IT), half_swing), &trial);
                 } else if (carry == SSV_ROLLED) {
@@ -276,7 +267,7 @@ int ssv_draw_transfer(const ssv_task_t* task, const ssv_handling_t* handling, ss
                     set_twist(end == 0 ? half : vec3_neg(half), &trial);
                 }
                 const bool spins = carry != SSV_SWUNG && !(other_end == 0 && s->ring_angle_given);
-                keep_spins(task, &turns, other_end, spins ? SSV_NUM_SPINS : 1, handling->price[k],
+                keep_spins(task, &handling->carried, other_end, spins ? SSV_NUM_SPINS : 1, handling->price[k],
                            carry == SSV_SWUNG ? SWING_SHARE : REAL(0), &trial, most, list, &num);
             }
         }

@@ -18,6 +18,13 @@ typedef struct {
     real_t thrust[SSV_NUM_TURN_PARTS][3][SSV_NUM_THRUSTERS]; ///< about x, axis_S, and the third axis
 } ssv_turns_t;
 
+/// The same with the beam held along +y and all of it rolled about x: what stays, what goes with the cosine of the roll, and what
+/// with its sine.
+typedef struct {
+    bool any[SSV_NUM_TURN_PARTS];
+    real_t thrust[SSV_NUM_TURN_PARTS][3][3][SSV_NUM_THRUSTERS];
+} ssv_rolled_turns_t;
+
 /// How the vehicle handles: the directions of its body that are cheap to fly along, the price of a metre along each, and its
 /// turns. If thrusters serve the vehicle rolled half a turn about x as well, the first num_upright stand for all.
 typedef struct {
@@ -27,6 +34,8 @@ typedef struct {
     vec3_t n[SSV_NUM_DIRECTIONS];
     real_t price[SSV_NUM_DIRECTIONS]; ///< [1/m] see ssv_metre_price
     ssv_turns_t turns;           ///< without a beam
+    ssv_rolled_turns_t rolled;   ///< with the beam of the transfer that is being drawn,
+    ssv_turns_t carried;         ///< and as it is held
 } ssv_handling_t;
 
 void ssv_handling(const ssv_problem_t* problem, ssv_handling_t* handling);
@@ -48,6 +57,6 @@ int ssv_draw_transit(const ssv_task_t* task, const ssv_handling_t* handling, int
 /// Starts of the transfer. Two small turns cost more than one large: so each cheap direction of the body along the way, the beam
 /// pointing as it lies, or as it docks, and the turn at the other end with all its spins. Or all of the turn is made on the way.
 /// The spins also decide on which sides of the beam the flight begins and ends, so how long it is. @return how many of `most`.
-int ssv_draw_transfer(const ssv_task_t* task, const ssv_handling_t* handling, ssv_carry_t carry, int most, ssv_start_t* list);
+int ssv_draw_transfer(const ssv_task_t* task, ssv_handling_t* handling, ssv_carry_t carry, int most, ssv_start_t* list);
 
 #endif

@@ -4,7 +4,6 @@
 
 // ---- How much is tried --------------------------------------------------------------------------------------------------
 
-#define MAX_STARTS 9
 #define MAX_TRANSITS 2
 #define NUM_ROUNDS 3
 typedef struct {
@@ -34,8 +33,8 @@ static const budget_t budgets[] = {
                          .worth_a_look = REAL(1e-5),
                          .kinds = 3,
                          .starts = 3,
-                         .ways_up = MAX_STARTS,
-                         .rounds = {{MAX_STARTS, 1, false}, {4, 3, false}, {1, 4, true}},
+                         .ways_up = SSV_MAX_STARTS,
+                         .rounds = {{SSV_MAX_STARTS, 1, false}, {4, 3, false}, {1, 4, true}},
                          .transits = MAX_TRANSITS,
                          .transit = {1, 3, false},
                          .joint = {1, 6, true}}};
@@ -211,7 +210,7 @@ static real_t find_transit(ssv_task_t* carry, const ssv_handling_t* handling, co
 }
 
 // Draws and prices starts of some kinds, cheapest first.
-static int draw(ssv_task_t* carry, const ssv_handling_t* handling, int kinds, int starts, ssv_start_t* list) {
+static int draw(ssv_task_t* carry, ssv_handling_t* handling, int kinds, int starts, ssv_start_t* list) {
     int num = 0;
     for (int kind = 0; kind < kinds; kind++) num += ssv_draw_transfer(carry, handling, (ssv_carry_t)kind, starts, &list[num]);
     price_all(carry, list, num);
@@ -227,29 +226,30 @@ real_t ssv_optimal_flights(const ssv_problem_t* problem, const ssv_handling_t* h
                                            real_max(REAL(0), on - real_mul(REAL(2), s->standoff_m)));
 }
 
-real_t ssv_optimal_look(const ssv_problem_t* problem, const ssv_handling_t* handling, int contact, real_t height_m,
-                        const real_t* to_beat, ssv_look_t* look, int* num_priced) {
+real_t ssv_optimal_look(const ssv_problem_t* problem, ssv_search_t* search, int contact, real_t height_m, const real_t* to_beat,
+                        int* num_priced) {
     ssv_task_t carry = ssv_transfer_task(problem, contact, height_m);
-    ssv_start_t list[SSV_LOOK_STARTS];
+    ssv_start_t* list = search->start;
     ssv_trial_t transit;
-    const int num = draw(&carry, handling, LOOK_KINDS, SSV_LOOK_STARTS / LOOK_KINDS, list);
-    list[0].transit_price = find_transit(&carry, handling, &glance, &list[0].trial, &transit);
+    const int num = draw(&carry, &search->handling, LOOK_KINDS, SSV_LOOK_STARTS / LOOK_KINDS, list);
+    list[0].transit_price = find_transit(&carry, &search->handling, &glance, &list[0].trial, &transit);
     *num_priced += carry.num_priced;
     const real_t price = total(&list[0]);
     if (to_beat != NULL && price >= *to_beat) return price;
-    look->num = num;
-    for (int k = 0; k < num; k++) look->start[k] = list[k];
+    search->look.num = num;
+    for (int k = 0; k < num; k++) search->look.start[k] = list[k];
     return price;
 }
 
 // The best transfer and its transit that the budget finds.
-SSV_OWN_FRAME static void find(ssv_task_t* carry, const ssv_handling_t* handling, const budget_t* budget,
-                               const ssv_look_t* look, ssv_trial_t* transfer, ssv_trial_t* transit) {
-    ssv_start_t list[MAX_STARTS];
+SSV_OWN_FRAME static void find(ssv_task_t* carry, ssv_search_t* search, const budget_t* budget, bool looked,
+                               ssv_trial_t* transfer, ssv_trial_t* transit) {
+    ssv_handling_t* handling = &search->handling;
+    ssv_start_t* list = search->start;
     int num = 0;
-    if (look != NULL) {
-        num = look->num;
-        for (int k = 0; k < num; k++) list[k] = look->start[k];
+    if (looked) {
+        num = search->look.num;
+        for (int k = 0; k < num; k++) list[k] = search->look.start[k];
     } else {
         num = draw(carry, handling, budget->kinds, budget->starts, list);
     }
@@ -258,7 +258,7 @@ SSV_OWN_FRAME static void find(ssv_task_t* carry, const ssv_handling_t* handling
         ssv_start_t other = list[k];
         other.trial = other_way_up(&list[k].trial);
         if (!handling->either_way_up) other.price = try_price(carry, &other.trial);
-        if (look == NULL || k > 0) list[k].transit_price = find_transit(carry, handling, &glance, &list[k].trial, transit);
+        if (!looked || k > 0) list[k].transit_price = find_transit(carry, handling, &glance, &list[k].trial, transit);
         other.transit_price = find_transit(carry, handling, &glance, &other.trial, transit);
         if (total(&other) < total(&list[k])) list[k] = other;
     }
@@ -294,12 +294,12 @@ SSV_OWN_FRAME static ssv_candidate_t price_exactly(const ssv_task_t* carry, cons
     return ssv_candidate_of(&grasp, &price);
 }
 
-ssv_candidate_t ssv_search_optimal(const ssv_problem_t* problem, const ssv_handling_t* handling, int contact, real_t height_m,
-                                   ssv_effort_t effort, const ssv_look_t* look, ssv_chain_t* best, int* num_priced) {
+ssv_candidate_t ssv_search_optimal(const ssv_problem_t* problem, ssv_search_t* search, int contact, real_t height_m,
+                                   ssv_effort_t effort, bool looked, ssv_chain_t* best, int* num_priced) {
     ssv_task_t carry = ssv_transfer_task(problem, contact, height_m);
     carry.closeness = budgets[effort].closeness;
     ssv_trial_t transfer, transit;
-    find(&carry, handling, &budgets[effort], effort == SSV_EFFORT_QUICK ? look : NULL, &transfer, &transit);
+    find(&carry, search, &budgets[effort], looked && effort == SSV_EFFORT_QUICK, &transfer, &transit);
     *num_priced += carry.num_priced;
     return price_exactly(&carry, &transfer, &transit, best);
 }

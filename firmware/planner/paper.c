@@ -85,7 +85,6 @@ bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m
     for (int ring = 0; ring < num_rings; ring++) {
         const ssv_grasp_t grasp = {contact, height_m, ring_angle_rad[ring]};
         ssv_flight_t trial, to_beam, to_port;
-        ssv_chain_t chain;
         if (may_skip && costs_at_least(problem, &grasp, to_beat->cost)) continue;
         int num_axes = 1;
         for (int k = 0; k < num_axes; k++) {
@@ -103,8 +102,8 @@ bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m
             if (k == 0 || ssv_price_beats(&trial.price, &to_port.price)) to_port = trial;
             *num_priced += 1;
         }
-        ssv_chain_join(&grasp, &to_beam, &to_port, pair.X_SB, &chain);
-        if (!found || ssv_price_beats(&chain.price, &best->price)) *best = chain;
+        const ssv_price_t price = ssv_chain_price(&to_beam, &to_port);
+        if (!found || ssv_price_beats(&price, &best->price)) ssv_chain_join(&grasp, &to_beam, &to_port, pair.X_SB, best);
         found = true;
     }
     return found;

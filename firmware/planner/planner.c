@@ -107,19 +107,20 @@ SSV_OWN_FRAME static ssv_outcome_t write_plan(const ssv_problem_t* problem, cons
 }
 
 // The paper's method, candidate by candidate, until one fits the plan's memory. @return whether one does; then *chain is it.
-SSV_OWN_FRAME static bool plan_by_paper(const ssv_problem_t* problem, ssv_chain_t* chain, ssv_plan_t* plan) {
-    ssv_problem_t plain = *problem;
-    plain.scenario.method = SSV_METHOD_PAPER;
-    bool found = ssv_choose(&plain, &plan->quote, chain);
+SSV_OWN_FRAME static bool plan_by_paper(ssv_problem_t* problem, ssv_chain_t* chain, ssv_plan_t* plan) {
+    const ssv_method_t method = problem->scenario.method;
+    problem->scenario.method = SSV_METHOD_PAPER;
+    bool found = ssv_choose_paper(problem, &plan->quote, chain);
     for (int n = 0; n < SSV_MAX_CANDIDATES && found; n++) {
-        const ssv_outcome_t outcome = write_plan(&plain, chain, plan);
+        const ssv_outcome_t outcome = write_plan(problem, chain, plan);
         if (outcome == SSV_FEASIBLE) break;
-        found = ssv_choose_another(&plain, outcome, &plan->quote, chain);
+        found = ssv_choose_another(problem, outcome, &plan->quote, chain);
     }
+    problem->scenario.method = method;
     return found;
 }
 
-ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_plan_t* plan) {
+ssv_status_t ssv_plan(ssv_problem_t* problem, ssv_plan_t* plan) {
     const uint32_t overflows = real_overflows();
     ssv_chain_t chain;
     memset(plan, 0, sizeof *plan);

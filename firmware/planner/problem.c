@@ -124,18 +124,21 @@ static void check_grasp(checker_t* checker, ssv_scenario_t* s) {
 }
 
 ssv_status_t ssv_problem_init(ssv_problem_t* problem, const ssv_scenario_t* scenario, ssv_fault_t* fault) {
-    ssv_problem_t p = {*scenario, ssv_scenario_hash(scenario), {{{REAL(0)}}}};
+    ssv_scenario_t s = *scenario;
+    ssv_allocation_t allocation;
     checker_t checker = {fault, true};
-    check_vehicle(&checker, &p.scenario.vehicle);
-    check_beam(&checker, &p.scenario.beam);
-    check_task(&checker, &p.scenario);
-    check_grasp(&checker, &p.scenario);
+    check_vehicle(&checker, &s.vehicle);
+    check_beam(&checker, &s.beam);
+    check_task(&checker, &s);
+    check_grasp(&checker, &s);
     // An inverse that overflows is too large in any case.
-    if (checker.ok && ssv_alloc_init(&p.scenario.vehicle, &p.allocation) != SSV_OK) {
+    if (checker.ok && ssv_alloc_init(&s.vehicle, &allocation) != SSV_OK) {
         fail(&checker, SSV_E_SINGULAR, "vehicle.thrusters", -1, REAL(0), REAL(0), REAL(0));
     }
     if (!checker.ok) return fault->status;
-    *problem = p;
+    problem->scenario = s;
+    problem->scenario_hash = ssv_scenario_hash(scenario);
+    problem->allocation = allocation;
     return SSV_OK;
 }
 

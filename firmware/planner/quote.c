@@ -58,17 +58,16 @@ static int least_of(const real_t price[SSV_MAX_CANDIDATES], const bool done[SSV_
 }
 
 // A look at the candidates with short ways, then a search of the most promising; of all if all are to be listed.
-static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ssv_quote_t* quote, ssv_chain_t* best) {
+static void search_optimal(const ssv_problem_t* problem, ssv_search_t* search, ssv_effort_t effort, ssv_quote_t* quote,
+                           ssv_chain_t* best) {
     const bool all = problem->scenario.want_candidates;
     real_t promise[SSV_MAX_CANDIDATES], turns = REAL(0);
     const real_t* least = NULL; // of the promises after a look
     bool looked[SSV_MAX_CANDIDATES] = {false}, done[SSV_MAX_CANDIDATES] = {false};
-    ssv_handling_t handling;
-    ssv_look_t look; // at the most promising
-    ssv_handling(problem, &handling);
+    ssv_handling(problem, &search->handling);
     for (int k = 0; k < quote->num_candidates; k++) {
         const ssv_candidate_t* candidate = &quote->candidate[k];
-        promise[k] = ssv_optimal_flights(problem, &handling, candidate->contact, candidate->attach_height_m);
+        promise[k] = ssv_optimal_flights(problem, &search->handling, candidate->contact, candidate->attach_height_m);
     }
     for (int n = 0; n < quote->num_candidates; n++) {
         const int next = least_of(promise, looked, quote->num_candidates);
@@ -78,8 +77,7 @@ static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ss
         const real_t flights = promise[next];
         done[next] = !all && least != NULL && (n >= num_looks[effort] || flights + real_mul(REAL(0.5), turns) >= *least);
         if (done[next]) continue;
-        promise[next] = ssv_optimal_look(problem, &handling, candidate->contact, candidate->attach_height_m, least, &look,
-                                         &quote->num_priced);
+        promise[next] = ssv_optimal_look(problem, search, candidate->contact, candidate->attach_height_m, least, &quote->num_priced);
         if (least != NULL && promise[next] >= *least) continue;
         least = &promise[next];
         turns = *least - flights;
@@ -92,24 +90,36 @@ static void search_optimal(const ssv_problem_t* problem, ssv_effort_t effort, ss
         if (n > 0 && !all && hopeless) break;
         ssv_candidate_t* candidate = &quote->candidate[next];
         done[next] = true;
-        improve(candidate, ssv_search_optimal(problem, &handling, candidate->contact, candidate->attach_height_m, effort,
-                                              n == 0 ? &look : NULL, best, &quote->num_priced));
+        improve(candidate, ssv_search_optimal(problem, search, candidate->contact, candidate->attach_height_m, effort, n == 0,
+                                              best, &quote->num_priced));
     }
 }
 
-bool ssv_choose(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
-    const ssv_scenario_t* scenario = &problem->scenario;
+_Static_assert(sizeof(ssv_search_t) <= sizeof(((ssv_problem_t*)0)->work), "the search fits the problem's memory for it");
+
+// An empty quote with the candidates that there are.
+static void begin(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
     memset(quote, 0, sizeof *quote);
     quote->status = SSV_INFEASIBLE;
     quote->scenario_hash = problem->scenario_hash;
     best->price.outcome = SSV_TOO_LONG;
-    list_candidates(scenario, quote);
-    // More effort starts with what less effort does, and method optimal ends with the paper's chains where these could still
-    // be cheaper: neither ever costs more.
-    if (scenario->method == SSV_METHOD_OPTIMAL) {
-        for (int effort = SSV_EFFORT_QUICK; effort <= (int)scenario->effort; effort++) {
-            search_optimal(problem, (ssv_effort_t)effort, quote, best);
-        }
+    list_candidates(&problem->scenario, quote);
+}
+
+bool ssv_choose_paper(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
+    begin(problem, quote, best);
+    search_paper(problem, quote, best);
+    return best->price.outcome == SSV_FEASIBLE;
+}
+
+bool ssv_choose(ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
+    const ssv_scenario_t* scenario = &problem->scenario;
+    if (scenario->method == SSV_METHOD_PAPER) return ssv_choose_paper(problem, quote, best);
+    begin(problem, quote, best);
+    // More effort starts with what less effort does, and the paper's chains follow where these could still be cheaper: neither
+    // ever costs more.
+    for (int effort = SSV_EFFORT_QUICK; effort <= (int)scenario->effort; effort++) {
+        search_optimal(problem, (ssv_search_t*)problem->work, (ssv_effort_t)effort, quote, best);
     }
     search_paper(problem, quote, best);
     return best->price.outcome == SSV_FEASIBLE;
@@ -150,7 +160,7 @@ ssv_status_t ssv_quote_conclude(const ssv_problem_t* problem, uint32_t overflows
     return quote->status;
 }
 
-ssv_status_t ssv_quote(const ssv_problem_t* problem, ssv_quote_t* quote) {
+ssv_status_t ssv_quote(ssv_problem_t* problem, ssv_quote_t* quote) {
     const uint32_t overflows = real_overflows();
     ssv_chain_t chain;
     if (ssv_choose(problem, quote, &chain)) ssv_quote_settle(problem, &chain, quote);
@@ -183,28 +193,29 @@ static void front_add(ssv_front_t* front, const ssv_candidate_t* point, int spar
     front->point[k] = *point;
 }
 
-ssv_status_t ssv_front(const ssv_problem_t* problem, ssv_front_t* front) {
-    const ssv_scenario_t* scenario = &problem->scenario;
+ssv_status_t ssv_front(ssv_problem_t* problem, ssv_front_t* front) {
+    ssv_scenario_t* scenario = &problem->scenario;
+    const real_t weight_time = scenario->weight_time_per_s, weight_impulse = scenario->weight_impulse_per_Ns;
+    const bool want_candidates = scenario->want_candidates;
     const uint32_t overflows = real_overflows();
-    ssv_problem_t rung = *problem;
     ssv_quote_t quote;
     memset(front, 0, sizeof *front);
     front->status = SSV_INFEASIBLE;
     front->scenario_hash = problem->scenario_hash;
-    rung.scenario.want_candidates = true;
+    scenario->want_candidates = true;
     for (int n = 0; n < NUM_RUNGS; n++) {
         // The last rung is the scenario itself, so that its own price is among the points.
         const bool itself = n == NUM_RUNGS - 1;
-        rung.scenario.weight_time_per_s = itself ? scenario->weight_time_per_s : rungs[n][0];
-        rung.scenario.weight_impulse_per_Ns =
-            itself ? scenario->weight_impulse_per_Ns : real_div(rungs[n][1], scenario->vehicle.force_max_N);
-        if (ssv_quote(&rung, &quote) != SSV_OK) continue;
+        scenario->weight_time_per_s = itself ? weight_time : rungs[n][0];
+        scenario->weight_impulse_per_Ns = itself ? weight_impulse : real_div(rungs[n][1], scenario->vehicle.force_max_N);
+        if (ssv_quote(problem, &quote) != SSV_OK) continue;
         front->status = SSV_OK;
         front_add(front, &quote.choice, NUM_RUNGS - 1 - n);
         for (int k = 0; k < quote.num_candidates; k++) {
             if (quote.candidate[k].outcome == SSV_FEASIBLE) front_add(front, &quote.candidate[k], NUM_RUNGS - 1 - n);
         }
     }
+    scenario->want_candidates = want_candidates;
     for (int k = 0; k < front->num_points; k++) {
         ssv_candidate_t* point = &front->point[k];
         point->cost = real_mul(scenario->weight_time_per_s, point->time_s) +

@@ -6,7 +6,10 @@
 
 /// Searches every candidate by the scenario's method. The quote's candidates are then those that were looked at; the rest of it
 /// is filled in by ssv_quote_settle. @return false if none is feasible; then the quote is complete and *best has no meaning.
-bool ssv_choose(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best);
+bool ssv_choose(ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best);
+
+/// The same by the paper's chains, whatever the scenario's method says of them; their profiles are still the method's.
+bool ssv_choose_paper(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best);
 
 /// Method paper: the chain of the next candidate in order of price, after the one chosen turned out not to be possible, for the
 /// reason given. @return as ssv_choose.

@@ -11,9 +11,6 @@
 bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, const ssv_price_t* to_beat, ssv_chain_t* best,
                       int* num_priced);
 
-/// What the flights of a candidate cost at the cheapest, without any turn: an estimate from below, not a bound.
-real_t ssv_optimal_flights(const ssv_problem_t* problem, const ssv_handling_t* handling, int contact, real_t height_m);
-
 /// What a look at a candidate finds.
 #define SSV_LOOK_STARTS 4
 typedef struct {
@@ -21,15 +18,26 @@ typedef struct {
     ssv_start_t start[SSV_LOOK_STARTS];
 } ssv_look_t;
 
-/// Draws and prices starts, cheapest first, and writes them to *look if they promise less than *to_beat, or if that is NULL.
+/// What the search for a candidate remembers, in the problem's memory for it.
+#define SSV_MAX_STARTS 9
+typedef struct {
+    ssv_handling_t handling;
+    ssv_look_t look;             ///< of the last look that kept what it found
+    ssv_start_t start[SSV_MAX_STARTS];
+} ssv_search_t;
+
+/// What the flights of a candidate cost at the cheapest, without any turn: an estimate from below, not a bound.
+real_t ssv_optimal_flights(const ssv_problem_t* problem, const ssv_handling_t* handling, int contact, real_t height_m);
+
+/// Draws and prices starts, cheapest first, and keeps them as the look if they promise less than *to_beat, or if that is NULL.
 /// @return about what ssv_search_optimal would find.
-real_t ssv_optimal_look(const ssv_problem_t* problem, const ssv_handling_t* handling, int contact, real_t height_m,
-                        const real_t* to_beat, ssv_look_t* look, int* num_priced);
+real_t ssv_optimal_look(const ssv_problem_t* problem, ssv_search_t* search, int contact, real_t height_m, const real_t* to_beat,
+                        int* num_priced);
 
 /// Turn, fly, turn in both phases, with travel attitudes, pivots, ring angle and both free rolls by J (DESIGN.md 6). The search
-/// goes by estimates, the price is exact. @param look what a look at this candidate found, or NULL; effort quick goes on from
-/// there. *best is replaced if what is found costs less. @return what was found.
-ssv_candidate_t ssv_search_optimal(const ssv_problem_t* problem, const ssv_handling_t* handling, int contact, real_t height_m,
-                                   ssv_effort_t effort, const ssv_look_t* look, ssv_chain_t* best, int* num_priced);
+/// goes by estimates, the price is exact. @param looked whether the look is at this candidate; effort quick goes on from there.
+/// *best is replaced if what is found costs less. @return what was found.
+ssv_candidate_t ssv_search_optimal(const ssv_problem_t* problem, ssv_search_t* search, int contact, real_t height_m,
+                                   ssv_effort_t effort, bool looked, ssv_chain_t* best, int* num_priced);
 
 #endif

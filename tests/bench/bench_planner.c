@@ -115,13 +115,13 @@ static ssv_scenario_t model_task(int k, bool ease) {
     return scenario;
 }
 
-static double plan_ms(const ssv_problem_t* problem) {
+static double plan_ms(ssv_problem_t* problem) {
     const double start = now_ms();
     (void)ssv_plan(problem, &plan);
     return now_ms() - start;
 }
 
-static double quote_ms(const ssv_problem_t* problem) {
+static double quote_ms(ssv_problem_t* problem) {
     const double start = now_ms();
     (void)ssv_quote(problem, &quote);
     return now_ms() - start;
@@ -129,7 +129,7 @@ static double quote_ms(const ssv_problem_t* problem) {
 
 /// Infinite where no candidate is feasible.
 static double price(const ssv_scenario_t* scenario, const way_t* way) {
-    const ssv_problem_t problem = problem_of(*scenario, way);
+    ssv_problem_t problem = problem_of(*scenario, way);
     return ssv_quote(&problem, &quote) == SSV_OK ? real_to_double(quote.cost) : (double)INFINITY;
 }
 
@@ -328,7 +328,7 @@ static void report_scenarios(report_t* report, row_t* rows, int count) {
 
 // ---- Random tasks: times ------------------------------------------------------------------------------------------------
 
-static double least_ms(double (*measured_ms)(const ssv_problem_t*), const ssv_problem_t* problem) {
+static double least_ms(double (*measured_ms)(ssv_problem_t*), ssv_problem_t* problem) {
     double least = INFINITY;
     for (int n = 0; n < TIMED_REPEATS; n++) least = fmin(least, measured_ms(problem));
     return least;
@@ -341,7 +341,7 @@ static void report_random_times(report_t* report) {
         samples_t plan_times = {0}, quote_times = {0};
         for (int k = 0; k < ways[w].timed_tasks; k++) {
             task_seed(SEED + (uint64_t)k);
-            const ssv_problem_t problem = problem_of(task_random(), &ways[w]);
+            ssv_problem_t problem = problem_of(task_random(), &ways[w]);
             samples_add(&plan_times, least_ms(plan_ms, &problem));
             samples_add(&quote_times, least_ms(quote_ms, &problem));
         }
@@ -387,7 +387,7 @@ static real_t cutoff_of(const ssv_leg_t* leg) {
 }
 
 /// The legs of the plans in one way, each by all its ramps from first to last.
-static int collect_legs(const row_t* rows, int count, int way, ssv_ramp_t ramp, leg_case_t* legs) {
+static int collect_legs(row_t* rows, int count, int way, ssv_ramp_t ramp, leg_case_t* legs) {
     int num = 0;
     for (int i = way; i < count; i += NUM_WAYS) {
         const ssv_scenario_t* s = &rows[i].problem.scenario;
@@ -400,7 +400,7 @@ static int collect_legs(const row_t* rows, int count, int way, ssv_ramp_t ramp, 
     return num;
 }
 
-static void report_profiles(report_t* report, const row_t* rows, int count) {
+static void report_profiles(report_t* report, row_t* rows, int count) {
     static leg_case_t legs[MAX_LEGS];
     static const struct {
         const char* name;
@@ -456,7 +456,7 @@ static void report_euler(report_t* report) {
                                        plan.leg[k].length};
         }
     }
-    const ssv_problem_t quick = problem_of(case_study(false), &ways[QUICK]);
+    ssv_problem_t quick = problem_of(case_study(false), &ways[QUICK]);
     samples_t euler_ms[2] = {{0}, {0}}, paper_ms = {0}, quick_ms = {0};
     double euler_cost[2];
     int steps[2];

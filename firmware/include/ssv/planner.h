@@ -156,11 +156,16 @@ typedef struct {
     real_t u_per_wrench[SSV_NUM_THRUSTERS][6];
 } ssv_allocation_t;
 
-/// A checked scenario with what the search needs from it. Made by `ssv_problem_init` only; its fields are not API.
+/// Memory that planning works in, in numbers.
+#define SSV_WORK_REALS 850
+
+/// A checked scenario with what the search needs from it, and the memory that it works in: one question at a time for each. Made
+/// by `ssv_problem_init` only; its fields are not API.
 typedef struct {
     ssv_scenario_t scenario;      ///< as given, with quaternions and directions normalised and the heights filled in
     uint64_t scenario_hash;
     ssv_allocation_t allocation;
+    real_t work[SSV_WORK_REALS];  ///< of a question while it is answered; means nothing afterwards
 } ssv_problem_t;
 
 /// Checks every field of the scenario against its range and caches the inverse of the thruster matrix.
@@ -244,7 +249,7 @@ typedef struct {
 /// The price without the plan: that of `ssv_plan`, to the last bit, unless that plan turns out not to fit its memory (see
 /// SSV_TOO_MANY_SEGMENTS). @return quote->status. Every field of *quote is written; with SSV_INFEASIBLE only status,
 /// scenario_hash and the candidates are meaningful, with SSV_NUMERIC_OVERFLOW the first two, the rest is zero.
-ssv_status_t ssv_quote(const ssv_problem_t* problem, ssv_quote_t* quote);
+ssv_status_t ssv_quote(ssv_problem_t* problem, ssv_quote_t* quote);
 
 /// The answer. Unless the quote's status is SSV_OK only the quote is meaningful, the rest is zero.
 typedef struct {
@@ -277,10 +282,10 @@ typedef struct {
 /// with the scenario's method and effort. A scheduler that changes its weights takes the point that costs least with them.
 /// A point is what `ssv_quote` finds for that rung when it lists all candidates. Costs nine such quotes. @return front->status;
 /// every field of *front is written.
-ssv_status_t ssv_front(const ssv_problem_t* problem, ssv_front_t* front);
+ssv_status_t ssv_front(ssv_problem_t* problem, ssv_front_t* front);
 
 /// Plans. @return plan->quote.status. Every field of *plan is written.
-ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_plan_t* plan);
+ssv_status_t ssv_plan(ssv_problem_t* problem, ssv_plan_t* plan);
 
 /// 64-bit hash (FNV-1a over the fields in the order declared, plan_hash left out, arrays up to their counts) of a plan.
 uint64_t ssv_plan_hash(const ssv_plan_t* plan);
