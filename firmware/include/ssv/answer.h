@@ -2,8 +2,10 @@
 /// scenario_batch_t in, as many prices in a quote_batch_t out. The daemon calls it for what arrives over LCM, `ssv plan` and
 /// `ssv quote` call it in process, so both give the same answer to the same question.
 ///
-/// This is where doubles of the wire become scalars of the core and back, and where a fault becomes a sentence. All memory
-/// is the caller's; nothing here allocates.
+/// This is where doubles of the wire become scalars of the core and back, and where a fault becomes a sentence. In, each double
+/// becomes the nearest scalar (of two as near, float takes the even one, fixed the larger in size); one beyond fixed's largest
+/// becomes that, which no field's range allows. Out, each scalar becomes the nearest double: itself in float, and in fixed up
+/// to 2^21 in size. All memory is the caller's; nothing here allocates.
 #ifndef SSV_ANSWER_H
 #define SSV_ANSWER_H
 
