@@ -34,10 +34,10 @@ static const budget_t budgets[] = {
                          .kinds = 3,
                          .starts = 3,
                          .ways_up = SSV_MAX_STARTS,
-                         .rounds = {{SSV_MAX_STARTS, 1, false}, {4, 3, false}, {1, 4, true}},
+                         .rounds = {{SSV_MAX_STARTS, 1, false}, {3, 3, false}, {1, 3, true}},
                          .transits = MAX_TRANSITS,
                          .transit = {1, 3, false},
-                         .joint = {1, 6, true}}};
+                         .joint = {1, 4, true}}};
 static const budget_t glance = {.transits = 1};
 
 // A parabola is not trusted beyond so many steps.
