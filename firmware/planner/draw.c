@@ -35,9 +35,9 @@ static bool serves_both_ways_up(const ssv_problem_t* problem) {
 
 // Keeps the cheapest few, cheapest first.
 static void keep(ssv_start_t* list, int* num, int most, const ssv_trial_t* trial, real_t price) {
-    if (*num == most && price >= list[most - 1].price) return;
+    if (*num == most && !ssv_clearly_less(price, list[most - 1].price)) return;
     int k = *num < most ? (*num)++ : most - 1;
-    for (; k > 0 && price < list[k - 1].price; k--) list[k] = list[k - 1];
+    for (; k > 0 && ssv_clearly_less(price, list[k - 1].price); k--) list[k] = list[k - 1];
     list[k] = (ssv_start_t){*trial, price, REAL(0)};
 }
 

@@ -4,8 +4,12 @@
 
 #include "planner/trial.h"
 
-/// Prices closer than this fraction are equal: which is taken must not hang on rounding.
+/// A step that lowers the price by less than this fraction gains nothing.
 #define SSV_EVEN REAL(1e-9)
+
+/// Whether one price is less than another by more than rounding. Prices of mirror images are not: which is taken is then a matter
+/// of order.
+static inline bool ssv_clearly_less(real_t a, real_t b) { return a < b - real_mul(REAL(5e-8), b); }
 
 /// Axes, edges and diagonals of the body.
 #define SSV_NUM_DIRECTIONS 26

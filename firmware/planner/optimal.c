@@ -28,7 +28,7 @@ static const budget_t budgets[] = {
                           .starts = SSV_LOOK_STARTS / LOOK_KINDS,
                           .ways_up = 1,
                           .rounds = {{1, 1, false}},
-                          .transits = 1},
+                          .transits = MAX_TRANSITS},
     [SSV_EFFORT_BEST] = {.closeness = SSV_ESTIMATE_CLOSELY,
                          .worth_a_look = REAL(1e-5),
                          .kinds = 3,
@@ -140,12 +140,12 @@ static void refine(ssv_task_t* task, real_t worth_a_look, const stage_t* stage, 
 
 static real_t total(const ssv_start_t* start) { return start->price + start->transit_price; }
 
+// Cheapest first.
 static void sort(ssv_start_t* list, int num) {
     for (int i = 1; i < num; i++) {
         const ssv_start_t item = list[i];
-        const real_t price = total(&item), even = real_mul(SSV_EVEN, price);
         int k = i;
-        for (; k > 0 && price < total(&list[k - 1]) - even; k--) list[k] = list[k - 1];
+        for (; k > 0 && ssv_clearly_less(total(&item), total(&list[k - 1])); k--) list[k] = list[k - 1];
         list[k] = item;
     }
 }
@@ -154,8 +154,7 @@ static void sort(ssv_start_t* list, int num) {
 static int drop_twins(ssv_start_t* list, int num) {
     int kept = 0;
     for (int k = 0; k < num; k++) {
-        const real_t price = total(&list[k]);
-        if (kept > 0 && price - total(&list[kept - 1]) <= real_mul(SSV_EVEN, price)) continue;
+        if (kept > 0 && !ssv_clearly_less(total(&list[kept - 1]), total(&list[k]))) continue;
         if (kept != k) list[kept] = list[k];
         kept++;
     }
@@ -232,10 +231,15 @@ real_t ssv_optimal_look(const ssv_problem_t* problem, ssv_search_t* search, int 
     ssv_start_t* list = search->start;
     ssv_trial_t transit;
     const int num = draw(&carry, &search->handling, LOOK_KINDS, SSV_LOOK_STARTS / LOOK_KINDS, list);
-    list[0].transit_price = find_transit(&carry, &search->handling, &glance, &list[0].trial, &transit);
+    // Where transfers cost the same, their transits decide.
+    int alike = 0;
+    for (; alike < num && !ssv_clearly_less(list[0].price, list[alike].price); alike++) {
+        list[alike].transit_price = find_transit(&carry, &search->handling, &glance, &list[alike].trial, &transit);
+    }
+    sort(list, alike);
     *num_priced += carry.num_priced;
     const real_t price = total(&list[0]);
-    if (to_beat != NULL && price >= *to_beat) return price;
+    if (to_beat != NULL && !ssv_clearly_less(price, *to_beat)) return price;
     search->look.num = num;
     for (int k = 0; k < num; k++) search->look.start[k] = list[k];
     return price;
@@ -260,7 +264,7 @@ SSV_OWN_FRAME static void find(ssv_task_t* carry, ssv_search_t* search, const bu
         if (!handling->either_way_up) other.price = try_price(carry, &other.trial);
         if (!looked || k > 0) list[k].transit_price = find_transit(carry, handling, &glance, &list[k].trial, transit);
         other.transit_price = find_transit(carry, handling, &glance, &other.trial, transit);
-        if (total(&other) < total(&list[k])) list[k] = other;
+        if (ssv_clearly_less(total(&other), total(&list[k]))) list[k] = other;
     }
     sort(list, num);
     num = drop_twins(list, num);

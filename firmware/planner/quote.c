@@ -52,7 +52,7 @@ static const int num_searched[] = {[SSV_EFFORT_QUICK] = 1, [SSV_EFFORT_BEST] = 2
 static int least_of(const real_t price[SSV_MAX_CANDIDATES], const bool done[SSV_MAX_CANDIDATES], int num) {
     int least = -1;
     for (int k = 0; k < num; k++) {
-        if (!done[k] && (least < 0 || price[k] < price[least])) least = k;
+        if (!done[k] && (least < 0 || ssv_clearly_less(price[k], price[least]))) least = k;
     }
     return least;
 }
@@ -62,7 +62,7 @@ static void search_optimal(const ssv_problem_t* problem, ssv_search_t* search, s
                            ssv_chain_t* best) {
     const bool all = problem->scenario.want_candidates;
     real_t promise[SSV_MAX_CANDIDATES], turns = REAL(0);
-    const real_t* least = NULL; // of the promises after a look
+    int favourite = -1; // after the looks so far
     bool looked[SSV_MAX_CANDIDATES] = {false}, done[SSV_MAX_CANDIDATES] = {false};
     ssv_handling(problem, &search->handling);
     for (int k = 0; k < quote->num_candidates; k++) {
@@ -72,18 +72,19 @@ static void search_optimal(const ssv_problem_t* problem, ssv_search_t* search, s
     for (int n = 0; n < quote->num_candidates; n++) {
         const int next = least_of(promise, looked, quote->num_candidates);
         const ssv_candidate_t* candidate = &quote->candidate[next];
+        const real_t* to_beat = favourite >= 0 ? &promise[favourite] : NULL;
         looked[next] = true;
         // No look where the flights, and turns of half the price of the best so far, cost as much as that.
         const real_t flights = promise[next];
-        done[next] = !all && least != NULL && (n >= num_looks[effort] || flights + real_mul(REAL(0.5), turns) >= *least);
+        done[next] = !all && to_beat != NULL && (n >= num_looks[effort] || flights + real_mul(REAL(0.5), turns) >= *to_beat);
         if (done[next]) continue;
-        promise[next] = ssv_optimal_look(problem, search, candidate->contact, candidate->attach_height_m, least, &quote->num_priced);
-        if (least != NULL && promise[next] >= *least) continue;
-        least = &promise[next];
-        turns = *least - flights;
+        promise[next] = ssv_optimal_look(problem, search, candidate->contact, candidate->attach_height_m, to_beat, &quote->num_priced);
+        if (to_beat != NULL && !ssv_clearly_less(promise[next], *to_beat)) continue;
+        favourite = next;
+        turns = promise[next] - flights;
     }
     for (int n = 0; n < (all ? quote->num_candidates : num_searched[effort]); n++) {
-        const int next = least_of(promise, done, quote->num_candidates);
+        const int next = n == 0 ? favourite : least_of(promise, done, quote->num_candidates);
         if (next < 0) break;
         // A search rarely gains more than that on a look.
         const bool hopeless = best->price.outcome == SSV_FEASIBLE && promise[next] >= real_mul(REAL(1.02), best->price.cost);

@@ -9,13 +9,22 @@ static const vec3_t x_axis = {REAL(1), REAL(0), REAL(0)}, y_axis = {REAL(0), REA
 
 static real_t square(vec3_t v) { return vec3_dot(v, v); }
 
+// The rotation about an axis by an angle whose cosine and sine are in this ratio: of the two forms of half the angle the one that
+// does not cancel.
+static quat_t roll_about(vec3_t axis, real_t cosine, real_t sine) {
+    const real_t size = real_sqrt(real_sq(cosine) + real_sq(sine));
+    const bool back = cosine < REAL(0);
+    const vec3_t e = vec3_scale(back ? size - cosine : sine, axis);
+    return quat_unit((quat_t){back ? sine : size + cosine, e.x, e.y, e.z});
+}
+
 quat_t ssv_attitude(vec3_t a_S, vec3_t b_S, vec3_t a_I, vec3_t b_I) {
     const quat_t q = quat_between(a_S, a_I);
     const vec3_t b = quat_apply(q, b_S);
     const vec3_t from = vec3_sub(b, vec3_scale(vec3_dot(b, a_I), a_I)), to = vec3_sub(b_I, vec3_scale(vec3_dot(b_I, a_I), a_I));
     if (!(real_min(vec3_norm(from), vec3_norm(to)) > REAL(1e-6))) return q;
-    const real_t roll = real_atan2(vec3_dot(a_I, vec3_cross(from, to)), vec3_dot(from, to));
-    return quat_unit(quat_mul(quat_from_axis_angle(a_I, roll), q));
+    const vec3_t u = vec3_unit(from), v = vec3_unit(to);
+    return quat_mul(roll_about(a_I, vec3_dot(u, v), vec3_dot(a_I, vec3_cross(u, v))), q);
 }
 
 static quat_t rotation_of(vec3_t x) {
@@ -44,15 +53,13 @@ quat_t ssv_spin(vec3_t axis, int spin, real_t x) {
 
 static vec3_t part(const ssv_trial_t* trial, int first) { return vec3(trial->x[first], trial->x[first + 1], trial->x[first + 2]); }
 
-// The roll about x from +y to a unit vector across x: of the two forms of half its angle the one that does not cancel.
-static quat_t roll_to(vec3_t axis_S) {
-    const real_t c = axis_S.y, s = axis_S.z;
-    return quat_unit(c < REAL(0) ? (quat_t){s, REAL(1) - c, REAL(0), REAL(0)} : (quat_t){REAL(1) + c, s, REAL(0), REAL(0)});
-}
-
 ssv_task_t ssv_transfer_task(const ssv_problem_t* problem, int contact, real_t height_m) {
     const ssv_scenario_t* s = &problem->scenario;
-    ssv_task_t task = {.problem = problem, .phase = SSV_TRANSFER, .contact = contact, .height_m = height_m, .closeness = SSV_ESTIMATE_ROUGHLY};
+    ssv_task_t task = {.problem = problem,
+                       .phase = SSV_TRANSFER,
+                       .contact = contact,
+                       .height_m = height_m,
+                       .closeness = SSV_ESTIMATE_ROUGHLY};
     const real_t from_contact = real_abs(ssv_grasp_contact(s, contact).z - height_m);
     task.transfer.axis_I[0] = quat_apply(s->X_IB.q, z_axis);
     task.transfer.axis_I[1] = contact == 1 ? s->axis_I : vec3_neg(s->axis_I);
@@ -117,7 +124,7 @@ static void aim(const ssv_task_t* task, const carriage_t* c, vec3_t way, ssv_att
         if (task->phase == SSV_TRANSIT) {
             a->q_IS[end] = task->transit.q_IS[end];
         } else if (end == 0 && task->problem->scenario.ring_angle_given) {
-            a->q_IS[end] = quat_mul(task->transfer.q_given, quat_conj(roll_to(c->axis_S)));
+            a->q_IS[end] = quat_mul(task->transfer.q_given, roll_about(x_axis, c->axis_S.y, -c->axis_S.z));
         } else {
             const quat_t smallest = quat_between(quat_apply(a->q_IT[end], c->axis_S), task->transfer.axis_I[end]);
             a->q_IS[end] = quat_mul(c->spin[end], quat_mul(smallest, a->q_IT[end]));
