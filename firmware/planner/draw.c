@@ -60,7 +60,8 @@ static void roll_turns(const ssv_problem_t* problem, const ssv_assembly_t* assem
             ssv_alloc(&problem->allocation, vec3(f.x, REAL(0), REAL(0)), vec3(m.x, REAL(0), REAL(0)), thrust[0]);
             ssv_alloc(&problem->allocation, vec3(REAL(0), f.y, f.z), vec3(REAL(0), m.y, m.z), thrust[1]);
             ssv_alloc(&problem->allocation, vec3(REAL(0), -f.z, f.y), vec3(REAL(0), -m.z, m.y), thrust[2]);
-            if (vec3_norm(f) + vec3_norm(m) > REAL(0)) turns->any[part] = true;
+            const real_t size = real_abs(f.x) + real_abs(f.y) + real_abs(f.z) + real_abs(m.x) + real_abs(m.y) + real_abs(m.z);
+            if (size > REAL(0)) turns->any[part] = true;
         }
     }
 }

@@ -7,6 +7,8 @@
 // Errors are looked at in those places and at both ends only; between them they may be this much larger.
 #define NUM_CHECKS (NUM_NODES + 2)
 #define CHECK_MARGIN REAL(0.9)
+// Errors beyond this are too large in any case, and what they drift in the longest plan is too large for fixed point.
+#define ERROR_MAX REAL(0.1)
 
 static const real_t node[NUM_NODES] = {REAL(0.069431844202973712), REAL(0.33000947820757187), REAL(0.66999052179242813),
                                        REAL(0.93056815579702629)};
@@ -16,9 +18,11 @@ static const real_t weight[NUM_NODES] = {REAL(0.17392742256872693), REAL(0.32607
 // The straight line with the impulse and the first moment of a thrust, given where it is looked at, so that neither speed nor
 // distance is lost; turned where it would leave the thruster's limits.
 static void fit(const real_t u[NUM_CHECKS], real_t limit, real_t* u_start, real_t* u_end) {
-    real_t mean = REAL(0), lean = REAL(0);
+    // From the thrust at the start, so that one that stays the same is met to the last bit, however long it does.
+    const real_t start = u[NUM_NODES];
+    real_t mean = start, lean = REAL(0);
     for (int k = 0; k < NUM_NODES; k++) {
-        const real_t share = real_mul(weight[k], u[k]);
+        const real_t share = real_mul(weight[k], u[k] - start);
         mean += share;
         lean += real_mul(node[k] - REAL(0.5), share);
     }
@@ -60,7 +64,7 @@ ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_
         bool fits = false;
         for (int n = 0; n < MAX_TRIALS; n++) {
             const real_t error = fit_all(thrusts, piece, t, h, segment);
-            const real_t drift = real_mul(real_mul(error, h), h);
+            const real_t drift = real_mul(real_mul(real_min(error, ERROR_MAX), h), h);
             fits = error <= tolerance && drift <= drift_max_s2;
             if (fits) break;
             // The error of a line grows with the square of its length, the drift with the fourth power.
