@@ -60,7 +60,8 @@ pose_t ssv_move_pose(pose_t X_IS, ssv_twist_t twist, real_t s) {
         const vec3_t w = vec3_scale(real_div(REAL(1), rate), twist.w);
         const vec3_t across = vec3_cross(w, moved), back = vec3_cross(w, across);
         const bool small = angle < SMALL_RAD;
-        const real_t c = small ? real_mul(REAL(0.5), angle) : real_div(REAL(1) - real_cos(angle), angle);
+        const real_t sine = real_sin(real_mul(REAL(0.5), angle)); // 1 - cos a = 2 sine^2, without the difference
+        const real_t c = small ? real_mul(REAL(0.5), angle) : real_mul(REAL(2), real_div(real_sq(sine), angle));
         const real_t d = small ? real_mul(REAL(1.0 / 6), real_sq(angle)) : REAL(1) - real_div(real_sin(angle), angle);
         X.p = vec3_add(moved, vec3_add(vec3_scale(c, across), vec3_scale(d, back)));
         X.q = quat_from_axis_angle(w, angle);

@@ -111,7 +111,8 @@ static void meet(leg_t* leg, real_t top) {
         // 1 / (1 / a[0] + 1 / a[1]), the acceleration of both ramps together
         const real_t both = real_mul(a[0], real_div(a[1], a[0] + a[1]));
         const real_t covered = leg->distance - leg->cruise;
-        const real_t root = n == 0 ? REAL(0) : real_sqrt(real_div(leg->distance, covered));
+        const bool some = covered > real_mul(REAL(1e-6), leg->distance); // or the quotient may be too large
+        const real_t root = some ? real_sqrt(real_div(leg->distance, covered)) : REAL(0);
         const real_t newton = n == 0 ? real_sqrt(real_mul(REAL(2), real_mul(leg->distance, both)))
                                      : v + real_mul(real_mul(REAL(2), real_mul(root - REAL(1), covered)), real_div(both, v));
         v = newton > low && newton < high ? newton : real_mul(REAL(0.5), low + high);

@@ -154,7 +154,11 @@ void ssv_quote_settle(const ssv_problem_t* problem, const ssv_chain_t* chain, ss
 }
 
 ssv_status_t ssv_quote_conclude(const ssv_problem_t* problem, uint32_t overflows, ssv_quote_t* quote) {
-    if (real_overflows() == overflows && real_is_finite(quote->cost)) return quote->status;
+    if (real_overflows() == overflows && real_is_finite(quote->cost)) {
+        // What motions that did not fit a plan added up is no price.
+        if (quote->status != SSV_OK) quote->cost = quote->time_s = quote->impulse_Ns = REAL(0);
+        return quote->status;
+    }
     memset(quote, 0, sizeof *quote);
     quote->status = SSV_NUMERIC_OVERFLOW;
     quote->scenario_hash = problem->scenario_hash;
