@@ -207,10 +207,10 @@ ssv_status_t ssv_front(ssv_problem_t* problem, ssv_front_t* front) {
     memset(front, 0, sizeof *front);
     front->status = SSV_INFEASIBLE;
     front->scenario_hash = problem->scenario_hash;
-    scenario->want_candidates = true;
     for (int n = 0; n < NUM_RUNGS; n++) {
-        // The last rung is the scenario itself, so that its own price is among the points.
+        // The last rung is the scenario itself, as it was asked, so that its own price is among the points.
         const bool itself = n == NUM_RUNGS - 1;
+        scenario->want_candidates = !itself || want_candidates;
         scenario->weight_time_per_s = itself ? weight_time : rungs[n][0];
         scenario->weight_impulse_per_Ns = itself ? weight_impulse : real_div(rungs[n][1], scenario->vehicle.force_max_N);
         if (ssv_quote(problem, &quote) != SSV_OK) continue;
@@ -220,7 +220,6 @@ ssv_status_t ssv_front(ssv_problem_t* problem, ssv_front_t* front) {
             if (quote.candidate[k].outcome == SSV_FEASIBLE) front_add(front, &quote.candidate[k], NUM_RUNGS - 1 - n);
         }
     }
-    scenario->want_candidates = want_candidates;
     for (int k = 0; k < front->num_points; k++) {
         ssv_candidate_t* point = &front->point[k];
         point->cost = real_mul(scenario->weight_time_per_s, point->time_s) +
