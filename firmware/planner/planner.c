@@ -64,14 +64,30 @@ static ssv_outcome_t write_motion(const ssv_problem_t* problem, const ssv_chain_
     return SSV_FEASIBLE;
 }
 
+static ssv_thrusts_t thrusts_along(const ssv_problem_t* problem, const ssv_plan_t* plan, const ssv_leg_t* leg) {
+    const ssv_assembly_t assembly = assembly_in(problem, leg->phase, plan->X_SB);
+    ssv_thrusts_t thrusts;
+    ssv_move_thrusts(problem, &assembly, (ssv_twist_t){leg->v_S, leg->w_S}, &thrusts);
+    return thrusts;
+}
+
+// About how many segments there will be.
+static int count_segments(const ssv_problem_t* problem, const ssv_plan_t* plan, real_t drift_max_s2) {
+    int num = 0;
+    for (const ssv_leg_t* leg = plan->leg; leg < plan->leg + plan->num_legs; leg++) {
+        const ssv_thrusts_t thrusts = thrusts_along(problem, plan, leg);
+        for (int k = 0; k < leg->num_pieces; k++) {
+            num += ssv_timeline_count(&thrusts, &plan->piece[leg->first_piece + k], drift_max_s2);
+        }
+    }
+    return num;
+}
+
 static ssv_outcome_t write_timeline(const ssv_problem_t* problem, real_t drift_max_s2, ssv_plan_t* plan) {
     plan->num_segments = 0;
     for (int index = 0; index < plan->num_legs; index++) {
         const ssv_leg_t* leg = &plan->leg[index];
-        const ssv_assembly_t assembly = assembly_in(problem, leg->phase, plan->X_SB);
-        const ssv_twist_t twist = {leg->v_S, leg->w_S};
-        ssv_thrusts_t thrusts;
-        ssv_move_thrusts(problem, &assembly, twist, &thrusts);
+        const ssv_thrusts_t thrusts = thrusts_along(problem, plan, leg);
         for (int k = 0; k < leg->num_pieces; k++) {
             const ssv_piece_t* piece = &plan->piece[leg->first_piece + k];
             const real_t t_s = leg->t_start_s + piece->t_s;
@@ -82,25 +98,27 @@ static ssv_outcome_t write_timeline(const ssv_problem_t* problem, real_t drift_m
     return SSV_FEASIBLE;
 }
 
-// How closely the timeline is cut [s2]: first to see how many segments that takes, which grow with the fourth root of its inverse;
-// then as finely as the plan's memory allows, or more coarsely.
+// How closely the timeline is cut [s2]: as finely as the plan's memory allows. How many segments it takes grows with the fourth
+// root of the inverse, where the bound on drift is what counts: a count or two show where that ends, from these on.
 #define DRIFT_S2 REAL(1.6e-5)
 #define DRIFT_LEAST_S2 REAL(1e-6)
-#define MAX_COARSER 4
+#define MAX_COUNTS 3
+#define MOST_COARSER REAL(256)
+#define MAX_COARSER 8
 #define SEGMENTS_WANTED (SSV_MAX_SEGMENTS - SSV_MAX_SEGMENTS / 10)
 
 SSV_OWN_FRAME static ssv_outcome_t write_plan(const ssv_problem_t* problem, const ssv_chain_t* chain, ssv_plan_t* plan) {
     ssv_outcome_t outcome = write_motion(problem, chain, plan);
     if (outcome != SSV_FEASIBLE) return outcome;
     real_t drift_s2 = DRIFT_S2;
-    outcome = write_timeline(problem, drift_s2, plan);
-    if (outcome == SSV_FEASIBLE && plan->num_segments > 0 && plan->num_segments < SEGMENTS_WANTED) {
-        const real_t fraction = real_sq(real_sq(real_div(real_from_int(plan->num_segments), real_from_int(SEGMENTS_WANTED))));
-        outcome = write_timeline(problem, real_max(DRIFT_LEAST_S2, real_mul(DRIFT_S2, fraction)), plan);
-        if (outcome != SSV_FEASIBLE) outcome = write_timeline(problem, drift_s2, plan);
+    for (int n = 0, num = SSV_MAX_SEGMENTS; n < MAX_COUNTS && num > SEGMENTS_WANTED; n++) {
+        num = count_segments(problem, plan, drift_s2);
+        const real_t fraction = real_sq(real_sq(real_div(real_from_int(num), real_from_int(SEGMENTS_WANTED))));
+        drift_s2 = real_max(DRIFT_LEAST_S2, real_mul(drift_s2, real_min(MOST_COARSER, fraction)));
     }
+    outcome = write_timeline(problem, drift_s2, plan);
     for (int n = 0; n < MAX_COARSER && outcome == SSV_TOO_MANY_SEGMENTS; n++) {
-        drift_s2 = real_mul(REAL(4), drift_s2);
+        drift_s2 = real_mul(REAL(2), drift_s2);
         outcome = write_timeline(problem, drift_s2, plan);
     }
     return outcome;

@@ -4,11 +4,13 @@
 #define MAX_TRIALS 24
 // Gauss-Legendre on [0, 1].
 #define NUM_NODES 4
-// Errors are looked at in those places and at both ends only; between them they may be this much larger.
+// Errors are looked at in those places and at both ends only; between them they may be a tenth larger.
 #define NUM_CHECKS (NUM_NODES + 2)
-#define CHECK_MARGIN REAL(0.9)
+#define TOLERANCE real_mul(REAL(0.9), SSV_TIMELINE_TOLERANCE)
 // Errors beyond this are too large in any case, and what they drift in the longest plan is too large for fixed point.
 #define ERROR_MAX REAL(0.1)
+// Lengths aim at so much of the error that is allowed: most then pass at once.
+#define AIM REAL(0.9)
 
 static const real_t node[NUM_NODES] = {REAL(0.069431844202973712), REAL(0.33000947820757187), REAL(0.66999052179242813),
                                        REAL(0.93056815579702629)};
@@ -32,38 +34,91 @@ static void fit(const real_t u[NUM_CHECKS], real_t limit, real_t* u_start, real_
     *u_end = mean + swing;
 }
 
+// Speed, thrusts and how they bend, along a piece.
+typedef struct {
+    const ssv_piece_t* piece;
+    real_t thrust[N][3];         // as quadratics in v
+    real_t force_max_N;
+} track_t;
+
+static track_t track_of(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece) {
+    track_t track = {.piece = piece, .force_max_N = thrusts->force_max_N};
+    for (int i = 0; i < N; i++) ssv_piece_thrust(thrusts, piece, i, track.thrust[i]);
+    return track;
+}
+
+static bool is_constant(const real_t c[3]) { return c[1] == REAL(0) && c[2] == REAL(0); }
+
+// The longest stretch, up to h, whose lines err no more than allowed if all of it bent as the thrusts do at time t: the error of
+// a line is a twelfth of the second derivative times the square of the length.
+static real_t stretch_at(const track_t* track, real_t t, real_t h, real_t drift_max_s2) {
+    const real_t* law = track->piece->law;
+    const real_t v = ssv_piece_speed(track->piece, t);
+    const real_t accel = ssv_quadratic_at(law, v), jerk = real_mul(accel, law[1] + real_mul(REAL(2), real_mul(law[2], v)));
+    const real_t squared = real_mul(REAL(2), real_sq(accel) + real_mul(v, jerk));
+    real_t most = REAL(0);
+    for (int i = 0; i < N; i++) {
+        const real_t* c = track->thrust[i];
+        if (!is_constant(c)) most = real_max(most, real_abs(real_mul(c[1], jerk) + real_mul(c[2], squared)));
+    }
+    const real_t bend = real_div(most, real_mul(REAL(12), track->force_max_N));
+    if (!(bend > REAL(0))) return h;
+    h = real_min(h, real_sqrt(real_div(real_mul(AIM, TOLERANCE), bend)));
+    const real_t drift = real_mul(real_mul(bend, real_sq(h)), real_sq(h)), most_drift = real_mul(AIM, drift_max_s2);
+    return drift > most_drift ? real_mul(h, real_sqrt(real_sqrt(real_div(most_drift, drift)))) : h;
+}
+
+// How long the next segment may be, about: judged at its start, then at its middle.
+static real_t next_length(const track_t* track, real_t t, real_t drift_max_s2) {
+    const real_t left = track->piece->duration_s - t, h = stretch_at(track, t, left, drift_max_s2);
+    return stretch_at(track, t + real_mul(REAL(0.5), h), left, drift_max_s2);
+}
+
+int ssv_timeline_count(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t drift_max_s2) {
+    const track_t track = track_of(thrusts, piece);
+    int num = 0;
+    real_t t = REAL(0);
+    for (; num < SSV_MAX_SEGMENTS && t < piece->duration_s; num++) t += next_length(&track, t, drift_max_s2);
+    return num;
+}
+
 // Fills the segment's thrusts for a stretch of the piece; returns the largest error over force_max.
-static real_t fit_all(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t t, real_t h, ssv_segment_t* segment) {
+static real_t fit_all(const track_t* track, real_t t, real_t h, ssv_segment_t* segment) {
     real_t at[NUM_CHECKS], v[NUM_CHECKS], worst = REAL(0);
     for (int k = 0; k < NUM_CHECKS; k++) {
         at[k] = k < NUM_NODES ? node[k] : real_from_int(k - NUM_NODES);
-        v[k] = ssv_piece_speed(piece, t + real_mul(h, at[k]));
+        v[k] = ssv_piece_speed(track->piece, t + real_mul(h, at[k]));
     }
     for (int i = 0; i < N; i++) {
-        real_t c[3], u[NUM_CHECKS];
-        ssv_piece_thrust(thrusts, piece, i, c);
+        const real_t* c = track->thrust[i];
+        if (is_constant(c)) {
+            segment->u_start_N[i] = segment->u_end_N[i] = real_max(-track->force_max_N, real_min(track->force_max_N, c[0]));
+            continue;
+        }
+        real_t u[NUM_CHECKS];
         for (int k = 0; k < NUM_CHECKS; k++) u[k] = ssv_quadratic_at(c, v[k]);
-        fit(u, thrusts->force_max_N, &segment->u_start_N[i], &segment->u_end_N[i]);
+        fit(u, track->force_max_N, &segment->u_start_N[i], &segment->u_end_N[i]);
         const real_t rise = segment->u_end_N[i] - segment->u_start_N[i];
         for (int k = 0; k < NUM_CHECKS; k++) {
             worst = real_max(worst, real_abs(u[k] - segment->u_start_N[i] - real_mul(at[k], rise)));
         }
     }
-    return real_div(worst, thrusts->force_max_N);
+    return real_div(worst, track->force_max_N);
 }
 
 ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t t_s, int leg,
                                   real_t drift_max_s2, ssv_plan_t* plan) {
-    const real_t tolerance = real_mul(CHECK_MARGIN, SSV_TIMELINE_TOLERANCE);
-    real_t t = REAL(0), h = piece->duration_s;
+    const real_t tolerance = TOLERANCE;
+    const track_t track = track_of(thrusts, piece);
+    real_t t = REAL(0);
     while (t < piece->duration_s) {
         if (plan->num_segments == SSV_MAX_SEGMENTS) return SSV_TOO_MANY_SEGMENTS;
         ssv_segment_t* segment = &plan->segment[plan->num_segments++];
         const real_t left = piece->duration_s - t;
-        h = real_min(real_mul(REAL(4), h), left);
+        real_t h = next_length(&track, t, drift_max_s2);
         bool fits = false;
         for (int n = 0; n < MAX_TRIALS; n++) {
-            const real_t error = fit_all(thrusts, piece, t, h, segment);
+            const real_t error = fit_all(&track, t, h, segment);
             const real_t drift = real_mul(real_mul(real_min(error, ERROR_MAX), h), h);
             fits = error <= tolerance && drift <= drift_max_s2;
             if (fits) break;

@@ -13,4 +13,7 @@
 ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t t_s, int leg,
                                   real_t drift_max_s2, ssv_plan_t* plan);
 
+/// About how many segments that makes of a piece, at a fraction of the time.
+int ssv_timeline_count(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t drift_max_s2);
+
 #endif

@@ -1,4 +1,6 @@
 // The timeline against the exact thrusts of random profiles.
+#include <stdlib.h>
+
 #include "planner/timeline.h"
 #include "tasks.h"
 #include "unity.h"
@@ -66,12 +68,30 @@ static void test_timeline_of_random_legs_is_close_exact_in_impulse_contiguous_an
     }
 }
 
+static void test_count_of_segments_is_close_to_what_is_cut(void) {
+    task_seed(32);
+    for (int trial = 0; trial < 300; trial++) {
+        const ssv_thrusts_t thrusts = random_thrusts();
+        const ssv_rule_t rule = {SSV_OPTIMAL, 0, 1, trial % 2 == 0 ? 0 : 1, 0};
+        const double distance = pow(10, task_between(-2, 1.5)), drift_s2 = pow(10, task_between(-6, -3));
+        if (ssv_profile_solve(&thrusts, &rule, distance, &profile) != SSV_FEASIBLE) continue;
+        int counted = 0;
+        plan.num_segments = 0;
+        for (int k = 0; k < profile.num_pieces; k++) {
+            counted += ssv_timeline_count(&thrusts, &profile.piece[k], drift_s2);
+            TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &profile.piece[k], 0, 0, drift_s2, &plan));
+        }
+        TEST_ASSERT_TRUE(abs(counted - plan.num_segments) <= 1 + counted / 20);
+    }
+}
+
 static void test_constant_thrust_is_one_segment(void) {
     const ssv_thrusts_t thrusts = {{38.1, -38.1}, {206.8425, -206.8425}, {0}, 6};
     TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(&thrusts, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 2, &profile));
     plan.num_segments = 0;
     TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &profile.piece[0], 0, 0, 1e-4, &plan));
     TEST_ASSERT_EQUAL_INT(1, plan.num_segments);
+    TEST_ASSERT_EQUAL_INT(1, ssv_timeline_count(&thrusts, &profile.piece[0], 1e-4));
 }
 
 static void test_full_timeline_refuses_more(void) {
@@ -85,6 +105,7 @@ static void test_full_timeline_refuses_more(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_timeline_of_random_legs_is_close_exact_in_impulse_contiguous_and_within_limits);
+    RUN_TEST(test_count_of_segments_is_close_to_what_is_cut);
     RUN_TEST(test_constant_thrust_is_one_segment);
     RUN_TEST(test_full_timeline_refuses_more);
     return UNITY_END();
