@@ -4,12 +4,16 @@
 
 #include "planner/trial.h"
 
-/// A step that lowers the price by less than this fraction gains nothing.
+/// Prices closer than this fraction are even.
 #define SSV_EVEN REAL(1e-9)
 
 /// Whether one price is less than another by more than rounding. Prices of mirror images are not: which is taken is then a matter
 /// of order.
 static inline bool ssv_clearly_less(real_t a, real_t b) { return a < b - real_mul(REAL(5e-8), b); }
+
+/// Whether two prices are so close, the first being the lesser, that what is found later decides: scalars of few digits may not
+/// tell them apart.
+static inline bool ssv_alike(real_t a, real_t b) { return b - a <= real_mul(REAL(1e-4), a); }
 
 /// Axes, edges and diagonals of the body.
 #define SSV_NUM_DIRECTIONS 26

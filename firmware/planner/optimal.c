@@ -13,8 +13,7 @@ typedef struct {
 typedef struct {
     real_t closeness;            // of estimates
     real_t worth_a_look;         // a third price along a direction is, if a parabola promises this much
-    int kinds, starts;           // kinds of starts of a transfer, and how many of each are drawn and priced
-    int ways_up;                 // for how many of the cheapest a transit is sought, with the vehicle either way up
+    int kinds, starts;           // kinds of starts of a transfer, and how many of each are drawn; none if a look has done it
     stage_t rounds[NUM_ROUNDS];  // refinement of the transfer, round after round
     int transits;                // starts of the transit
     stage_t transit, joint;      // refinement of the transit, and of the transfer once more with the price of both phases
@@ -24,22 +23,20 @@ typedef struct {
 static const budget_t budgets[] = {
     [SSV_EFFORT_QUICK] = {.closeness = SSV_ESTIMATE_ROUGHLY,
                           .worth_a_look = REAL(1e-4),
-                          .kinds = LOOK_KINDS,
-                          .starts = SSV_LOOK_STARTS / LOOK_KINDS,
-                          .ways_up = 1,
-                          .rounds = {{1, 1, false}},
+                          .rounds = {{SSV_LOOK_STARTS, 1, false}},
                           .transits = MAX_TRANSITS},
     [SSV_EFFORT_BEST] = {.closeness = SSV_ESTIMATE_CLOSELY,
                          .worth_a_look = REAL(1e-5),
                          .kinds = 3,
                          .starts = 3,
-                         .ways_up = SSV_MAX_STARTS,
                          .rounds = {{SSV_MAX_STARTS, 1, false}, {3, 3, false}, {1, 3, true}},
                          .transits = MAX_TRANSITS,
                          .transit = {1, 3, false},
                          .joint = {1, 4, true}}};
 static const budget_t glance = {.transits = 1};
 
+// A step that lowers the price by less than this fraction gains nothing: it may be rounding, in any scalar.
+#define NO_GAIN REAL(2e-6)
 // A parabola is not trusted beyond so many steps.
 #define FARTHEST REAL(2.5)
 // Where no thruster acts along a leg: no vehicle that ssv_problem_init accepts is so.
@@ -73,7 +70,7 @@ static real_t search_along(ssv_task_t* task, const real_t direction[SSV_NUM_TRAN
                            real_t* price) {
     const ssv_trial_t centre = *trial;
     const real_t middle = *price;
-    real_t at[2], best_step = REAL(0);
+    real_t at[2], least = middle - real_mul(NO_GAIN, middle), best_step = REAL(0);
     for (int n = 0; n < 3; n++) {
         real_t step = n == 0 ? REAL(-1) : REAL(1);
         if (n == 2) {
@@ -88,8 +85,8 @@ static real_t search_along(ssv_task_t* task, const real_t direction[SSV_NUM_TRAN
         for (int k = 0; k < SSV_NUM_TRANSFER; k++) next.x[k] += real_mul(step, direction[k]);
         const real_t there = try_price(task, &next);
         if (n < 2) at[n] = there;
-        if (there < *price - real_mul(SSV_EVEN, *price)) {
-            *price = there;
+        if (there < least - real_mul(SSV_EVEN, least)) {
+            *price = least = there;
             *trial = next;
             best_step = real_abs(step);
         }
@@ -208,6 +205,17 @@ static real_t find_transit(ssv_task_t* carry, const ssv_handling_t* handling, co
     return list[0].price;
 }
 
+// Adds the transit, with the vehicle whichever way up that is cheaper.
+static void add_transit(ssv_task_t* carry, const ssv_handling_t* handling, ssv_start_t* start) {
+    ssv_start_t other = *start;
+    ssv_trial_t transit;
+    other.trial = other_way_up(&start->trial);
+    if (!handling->either_way_up) other.price = try_price(carry, &other.trial);
+    start->transit_price = find_transit(carry, handling, &glance, &start->trial, &transit);
+    other.transit_price = find_transit(carry, handling, &glance, &other.trial, &transit);
+    if (ssv_clearly_less(total(&other), total(start))) *start = other;
+}
+
 // Draws and prices starts of some kinds, cheapest first.
 static int draw(ssv_task_t* carry, ssv_handling_t* handling, int kinds, int starts, ssv_start_t* list) {
     int num = 0;
@@ -229,43 +237,29 @@ real_t ssv_optimal_look(const ssv_problem_t* problem, ssv_search_t* search, int 
                         int* num_priced) {
     ssv_task_t carry = ssv_transfer_task(problem, contact, height_m);
     ssv_start_t* list = search->start;
-    ssv_trial_t transit;
     const int num = draw(&carry, &search->handling, LOOK_KINDS, SSV_LOOK_STARTS / LOOK_KINDS, list);
-    // Where transfers cost the same, their transits decide.
+    // Where transfers cost the same, their transits decide, and where these do too, refinement.
+    const real_t least = list[0].price;
     int alike = 0;
-    for (; alike < num && !ssv_clearly_less(list[0].price, list[alike].price); alike++) {
-        list[alike].transit_price = find_transit(&carry, &search->handling, &glance, &list[alike].trial, &transit);
-    }
+    for (; alike < num && ssv_alike(least, list[alike].price); alike++) add_transit(&carry, &search->handling, &list[alike]);
     sort(list, alike);
     *num_priced += carry.num_priced;
     const real_t price = total(&list[0]);
     if (to_beat != NULL && !ssv_clearly_less(price, *to_beat)) return price;
-    search->look.num = num;
-    for (int k = 0; k < num; k++) search->look.start[k] = list[k];
+    search->look.num = 0;
+    for (int k = 0; k < alike && ssv_alike(price, total(&list[k])); k++) search->look.start[search->look.num++] = list[k];
     return price;
 }
 
 // The best transfer and its transit that the budget finds.
-SSV_OWN_FRAME static void find(ssv_task_t* carry, ssv_search_t* search, const budget_t* budget, bool looked,
+SSV_OWN_FRAME static void find(ssv_task_t* carry, ssv_search_t* search, const budget_t* budget,
                                ssv_trial_t* transfer, ssv_trial_t* transit) {
     ssv_handling_t* handling = &search->handling;
     ssv_start_t* list = search->start;
-    int num = 0;
-    if (looked) {
-        num = search->look.num;
-        for (int k = 0; k < num; k++) list[k] = search->look.start[k];
-    } else {
-        num = draw(carry, handling, budget->kinds, budget->starts, list);
-    }
-    if (num > budget->ways_up) num = budget->ways_up;
-    for (int k = 0; k < num; k++) {
-        ssv_start_t other = list[k];
-        other.trial = other_way_up(&list[k].trial);
-        if (!handling->either_way_up) other.price = try_price(carry, &other.trial);
-        if (!looked || k > 0) list[k].transit_price = find_transit(carry, handling, &glance, &list[k].trial, transit);
-        other.transit_price = find_transit(carry, handling, &glance, &other.trial, transit);
-        if (ssv_clearly_less(total(&other), total(&list[k]))) list[k] = other;
-    }
+    const bool looked = budget->kinds == 0;
+    int num = looked ? search->look.num : draw(carry, handling, budget->kinds, budget->starts, list);
+    for (int k = 0; looked && k < num; k++) list[k] = search->look.start[k];
+    for (int k = 0; !looked && k < num; k++) add_transit(carry, handling, &list[k]);
     sort(list, num);
     num = drop_twins(list, num);
     for (int n = 0; n < NUM_ROUNDS; n++) refine_first(carry, budget->worth_a_look, &budget->rounds[n], list, num);
@@ -303,7 +297,8 @@ ssv_candidate_t ssv_search_optimal(const ssv_problem_t* problem, ssv_search_t* s
     ssv_task_t carry = ssv_transfer_task(problem, contact, height_m);
     carry.closeness = budgets[effort].closeness;
     ssv_trial_t transfer, transit;
-    find(&carry, search, &budgets[effort], looked && effort == SSV_EFFORT_QUICK, &transfer, &transit);
+    if (!looked && budgets[effort].kinds == 0) (void)ssv_optimal_look(problem, search, contact, height_m, NULL, num_priced);
+    find(&carry, search, &budgets[effort], &transfer, &transit);
     *num_priced += carry.num_priced;
     return price_exactly(&carry, &transfer, &transit, best);
 }

@@ -44,7 +44,7 @@ static void search_paper(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_c
 }
 
 // Candidates that method optimal looks at, by effort: those with the shortest ways; and how many of the most promising it
-// searches.
+// searches, beside those that promise the same.
 static const int num_looks[] = {[SSV_EFFORT_QUICK] = 2, [SSV_EFFORT_BEST] = SSV_MAX_CANDIDATES};
 static const int num_searched[] = {[SSV_EFFORT_QUICK] = 1, [SSV_EFFORT_BEST] = 2};
 
@@ -83,9 +83,9 @@ static void search_optimal(const ssv_problem_t* problem, ssv_search_t* search, s
         favourite = next;
         turns = promise[next] - flights;
     }
-    for (int n = 0; n < (all ? quote->num_candidates : num_searched[effort]); n++) {
+    for (int n = 0; n < quote->num_candidates; n++) {
         const int next = n == 0 ? favourite : least_of(promise, done, quote->num_candidates);
-        if (next < 0) break;
+        if (next < 0 || !(all || n < num_searched[effort] || ssv_alike(promise[favourite], promise[next]))) break;
         // A search rarely gains more than that on a look.
         const bool hopeless = best->price.outcome == SSV_FEASIBLE && promise[next] >= real_mul(REAL(1.02), best->price.cost);
         if (n > 0 && !all && hopeless) break;

@@ -11,7 +11,7 @@
 bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, const ssv_price_t* to_beat, ssv_chain_t* best,
                       int* num_priced);
 
-/// What a look at a candidate finds.
+/// What a look at a candidate finds: the cheapest start, and those that are alike.
 #define SSV_LOOK_STARTS 4
 typedef struct {
     int num;                     ///< at least 1
@@ -29,7 +29,7 @@ typedef struct {
 /// What the flights of a candidate cost at the cheapest, without any turn: an estimate from below, not a bound.
 real_t ssv_optimal_flights(const ssv_problem_t* problem, const ssv_handling_t* handling, int contact, real_t height_m);
 
-/// Draws and prices starts, cheapest first, and keeps them as the look if they promise less than *to_beat, or if that is NULL.
+/// Draws and prices starts, and keeps the cheapest as the look if they promise less than *to_beat, or if that is NULL.
 /// @return about what ssv_search_optimal would find.
 real_t ssv_optimal_look(const ssv_problem_t* problem, ssv_search_t* search, int contact, real_t height_m, const real_t* to_beat,
                         int* num_priced);
