@@ -6,6 +6,7 @@
 #define N SSV_NUM_THRUSTERS
 // One piece is the cruise.
 #define MAX_STRETCHES (SSV_MAX_PROFILE_PIECES - 1)
+#define NUM_GUESSES 3
 #define MAX_NEWTON 60
 #define MAX_FALSI 60
 
@@ -15,6 +16,12 @@
 #define TERMINAL_MARGIN real_max(REAL(5.9604644775390625e-8), 64 * REAL_NOISE)
 // How closely two ramps without a cruise cover their leg, as a fraction of it.
 #define PEAK_TOLERANCE real_max(REAL(1e-11), 4 * REAL_NOISE)
+// Where two such ramps meet: at this part of a ramp's peak its acceleration is typical of all of it; the first peak that is tried
+// is no more than this part of the top; a step of the log-odds is no more than this; and the hair.
+#define TYPICAL REAL(0.7)
+#define FIRST REAL(0.9)
+#define FARTHEST REAL(4)
+#define HAIR REAL(1e-5)
 // A short optimal leg's ramps cover the distance to within twice this fraction, cruising the rest: in J that is its square.
 #define SHORT_BY REAL(1e-5)
 // An estimated peak this close to the cruise is taken for the cruise; a peak found too low is left by a little more than asked.
@@ -102,27 +109,55 @@ static real_t cruise_at(leg_t* leg, real_t peak, real_t a[2]) {
     return leg->distance - ssv_ramp_reach(laws, &leg->up, peak, &a[0]) - ssv_ramp_reach(laws, &leg->slow, peak, &a[1]);
 }
 
-// Peak at which both ramps take the distance, to within PEAK_TOLERANCE of it: safeguarded Newton on the root of the distance
-// covered, which would be linear in v without drag; the sum of the reaches is increasing in v.
+// 1 / (1 / a[0] + 1 / a[1]): the acceleration of both ramps together.
+static real_t together(const real_t a[2]) { return real_mul(a[0], real_div(a[1], a[0] + a[1])); }
+
+// The share whose odds are e^dy times as high.
+static real_t at_odds(real_t share, real_t dy) {
+    const real_t more = real_mul(share, real_expm1(dy));
+    return real_div(share + more, REAL(1) + more);
+}
+
+// Peak at which both ramps take the distance, to within PEAK_TOLERANCE of it; at the top they take more, leg->cruise being how
+// much. Safeguarded Newton on the root of the distance covered, over the log-odds of the peak as a share of a hair more than the
+// top: the root is linear in the peak where there is no drag, a coast covers the log of its peak, and a ramp to a terminal speed
+// the log of what it lacks. Where Newton leaves the bracket, the distance covered is taken to be linear in the log-odds.
 static void meet(leg_t* leg, real_t top) {
-    real_t low = REAL(0), high = top, v = REAL(0), a[2];
-    leg->cruise = cruise_at(leg, v, a);
+    const ssv_laws_t* laws = &leg->steering.laws;
+    const real_t D = leg->distance, whole = top + real_mul(HAIR, top);
+    real_t low = REAL(0), high = real_div(top, whole), covered[2] = {REAL(0), D - leg->cruise}, v = REAL(0), a[2];
+    // With drag, a ramp is about as long as one of the acceleration at some part of its peak.
+    for (int n = 0; n < NUM_GUESSES; n++) {
+        const real_t typical = real_mul(TYPICAL, v);
+        a[0] = ssv_ramp_acceleration(laws, &leg->up, typical);
+        a[1] = ssv_ramp_acceleration(laws, &leg->slow, typical);
+        v = real_min(real_sqrt(real_mul(REAL(2), real_mul(D, together(a)))), real_mul(FIRST, top));
+    }
     for (int n = 0; n < MAX_NEWTON; n++) {
-        // 1 / (1 / a[0] + 1 / a[1]), the acceleration of both ramps together
-        const real_t both = real_mul(a[0], real_div(a[1], a[0] + a[1]));
-        const real_t covered = leg->distance - leg->cruise;
-        const bool some = covered > real_mul(REAL(1e-6), leg->distance); // or the quotient may be too large
-        const real_t root = some ? real_sqrt(real_div(leg->distance, covered)) : REAL(0);
-        const real_t newton = n == 0 ? real_sqrt(real_mul(REAL(2), real_mul(leg->distance, both)))
-                                     : v + real_mul(real_mul(REAL(2), real_mul(root - REAL(1), covered)), real_div(both, v));
-        v = newton > low && newton < high ? newton : real_mul(REAL(0.5), low + high);
         leg->cruise = cruise_at(leg, v, a);
-        if (real_abs(leg->cruise) <= real_mul(PEAK_TOLERANCE, leg->distance)) break;
-        *(leg->cruise < REAL(0) ? &high : &low) = v;
+        if (real_abs(leg->cruise) <= real_mul(PEAK_TOLERANCE, D)) break;
+        const real_t share = real_div(v, whole), so_far = D - leg->cruise;
+        const bool above = leg->cruise < REAL(0);
+        *(above ? &high : &low) = share;
+        covered[above] = so_far;
+        real_t dy = FARTHEST;
+        if (so_far > real_mul(REAL(1e-6), D)) { // or the quotient may be too large
+            const real_t lack = real_mul(REAL(2), real_mul(real_sqrt(real_div(D, so_far)) - REAL(1), so_far));
+            const real_t slope = real_mul(v, REAL(1) - share);
+            dy = real_max(-FARTHEST, real_min(FARTHEST, real_div(real_mul(lack, real_div(together(a), v)), slope)));
+        }
+        real_t next = at_odds(share, dy);
+        if (low > REAL(0) && !(next > low && next < high)) {
+            const real_t odds = real_div(real_mul(high, REAL(1) - low), real_mul(low, REAL(1) - high));
+            const real_t part = real_div(D - covered[0], covered[1] - covered[0]);
+            next = at_odds(low, real_mul(part, real_log1p(odds - REAL(1))));
+        }
+        if (!(next > low && next < high)) next = real_mul(REAL(0.5), low + high);
+        v = real_mul(next, whole);
     }
     leg->peak = v;
     // The tolerance was not met only where the reach leaps: then the lower side, and the rest is cruised.
-    if (leg->cruise < -real_mul(PEAK_TOLERANCE, leg->distance)) leg->cruise = cruise_at(leg, leg->peak = low, a);
+    if (leg->cruise < -real_mul(PEAK_TOLERANCE, D)) leg->cruise = cruise_at(leg, leg->peak = real_mul(low, whole), a);
 }
 
 // With one of the paper's ramps. The ramp up serves both.

@@ -279,6 +279,14 @@ void ssv_ramp_measure(const ssv_laws_t* laws, ssv_ramp_table_t* ramp) {
     }
 }
 
+real_t ssv_ramp_acceleration(const ssv_laws_t* laws, const ssv_ramp_table_t* ramp, real_t v) {
+    real_t c[3];
+    int k = 0;
+    while (k + 1 < ramp->num && ssv_ramp_stretch(ramp, k)->v_high < v) k++;
+    ssv_ramp_law(laws, ssv_ramp_stretch(ramp, k)->law, c);
+    return real_abs(ssv_quadratic_at(c, v));
+}
+
 real_t ssv_ramp_reach(const ssv_laws_t* laws, ssv_ramp_table_t* ramp, real_t v, real_t* acceleration) {
     real_t reach = REAL(0), c[3];
     int k = 0;

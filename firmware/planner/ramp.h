@@ -57,6 +57,9 @@ ssv_moments_t ssv_ramp_integrals(const real_t law[3], real_t v_low, real_t v_hig
 /// Fills the integrals of all stretches.
 void ssv_ramp_measure(const ssv_laws_t* laws, ssv_ramp_table_t* ramp);
 
+/// |dv/dt| at a speed.
+real_t ssv_ramp_acceleration(const ssv_laws_t* laws, const ssv_ramp_table_t* ramp, real_t v);
+
 /// Distance from rest to v, and |dv/dt| there; keeps the cut there.
 real_t ssv_ramp_reach(const ssv_laws_t* laws, ssv_ramp_table_t* ramp, real_t v, real_t* acceleration);
 
