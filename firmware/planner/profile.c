@@ -8,6 +8,7 @@
 #define MAX_STRETCHES (SSV_MAX_PROFILE_PIECES - 1)
 #define NUM_GUESSES 3
 #define MAX_NEWTON 60
+#define SURELY 8
 #define MAX_FALSI 60
 
 // Faster than any vehicle [m/s or rad/s].
@@ -112,52 +113,60 @@ static real_t cruise_at(leg_t* leg, real_t peak, real_t a[2]) {
 // 1 / (1 / a[0] + 1 / a[1]): the acceleration of both ramps together.
 static real_t together(const real_t a[2]) { return real_mul(a[0], real_div(a[1], a[0] + a[1])); }
 
-// The share whose odds are e^dy times as high.
-static real_t at_odds(real_t share, real_t dy) {
-    const real_t more = real_mul(share, real_expm1(dy));
-    return real_div(share + more, REAL(1) + more);
+// The nearer to `from` of `to` and the knots of a ramp on the way there.
+static real_t next_knot(const ssv_ramp_table_t* ramp, real_t from, real_t to) {
+    for (int k = 0; k < ramp->num; k++) {
+        const real_t knot = ssv_ramp_stretch(ramp, k)->v_high;
+        if ((from < knot && knot < to) || (to < knot && knot < from)) to = knot;
+    }
+    return to;
 }
 
 // Peak at which both ramps take the distance, to within PEAK_TOLERANCE of it; at the top they take more, leg->cruise being how
-// much. Safeguarded Newton on the root of the distance covered, over the log-odds of the peak as a share of a hair more than the
+// much. Safeguarded Newton on the root of the distance covered, over the log-odds of the peak, as a share of a hair more than the
 // top: the root is linear in the peak where there is no drag, a coast covers the log of its peak, and a ramp to a terminal speed
-// the log of what it lacks. Where Newton leaves the bracket, the distance covered is taken to be linear in the log-odds.
+// the log of what it lacks. Where Newton leaves the bracket, the distance covered is taken to be linear in the log-odds. No step
+// goes past a knot, and every other late one halves the bracket.
 static void meet(leg_t* leg, real_t top) {
     const ssv_laws_t* laws = &leg->steering.laws;
     const real_t D = leg->distance, whole = top + real_mul(HAIR, top);
-    real_t low = REAL(0), high = real_div(top, whole), covered[2] = {REAL(0), D - leg->cruise}, v = REAL(0), a[2];
+    real_t low = REAL(0), high = top, covered[2] = {REAL(0), D - leg->cruise}, next = REAL(0), v, a[2];
     // With drag, a ramp is about as long as one of the acceleration at some part of its peak.
     for (int n = 0; n < NUM_GUESSES; n++) {
-        const real_t typical = real_mul(TYPICAL, v);
+        const real_t typical = real_mul(TYPICAL, next);
         a[0] = ssv_ramp_acceleration(laws, &leg->up, typical);
         a[1] = ssv_ramp_acceleration(laws, &leg->slow, typical);
-        v = real_min(real_sqrt(real_mul(REAL(2), real_mul(D, together(a)))), real_mul(FIRST, top));
+        next = real_min(real_sqrt(real_mul(REAL(2), real_mul(D, together(a)))), real_mul(FIRST, top));
     }
     for (int n = 0; n < MAX_NEWTON; n++) {
+        v = next;
         leg->cruise = cruise_at(leg, v, a);
         if (real_abs(leg->cruise) <= real_mul(PEAK_TOLERANCE, D)) break;
-        const real_t share = real_div(v, whole), so_far = D - leg->cruise;
         const bool above = leg->cruise < REAL(0);
-        *(above ? &high : &low) = share;
-        covered[above] = so_far;
-        real_t dy = FARTHEST;
-        if (so_far > real_mul(REAL(1e-6), D)) { // or the quotient may be too large
-            const real_t lack = real_mul(REAL(2), real_mul(real_sqrt(real_div(D, so_far)) - REAL(1), so_far));
-            const real_t slope = real_mul(v, REAL(1) - share);
-            dy = real_max(-FARTHEST, real_min(FARTHEST, real_div(real_mul(lack, real_div(together(a), v)), slope)));
+        *(above ? &high : &low) = v;
+        covered[above] = D - leg->cruise;
+        real_t odds = real_div(v, whole - v), dy = FARTHEST;
+        if (covered[above] > real_mul(REAL(1e-6), D)) { // or the quotient may be too large
+            const real_t root = real_sqrt(real_div(D, covered[above])), lack = real_mul(covered[above], root - REAL(1));
+            const real_t per_odds = real_div(real_mul(whole, together(a)), real_mul(v, whole - v));
+            dy = real_mul(REAL(2), real_div(real_mul(lack, per_odds), v));
+            dy = real_max(-FARTHEST, real_min(FARTHEST, dy));
         }
-        real_t next = at_odds(share, dy);
-        if (low > REAL(0) && !(next > low && next < high)) {
-            const real_t odds = real_div(real_mul(high, REAL(1) - low), real_mul(low, REAL(1) - high));
-            const real_t part = real_div(D - covered[0], covered[1] - covered[0]);
-            next = at_odds(low, real_mul(part, real_log1p(odds - REAL(1))));
+        for (int way = 0; way < 2; way++) {
+            odds += real_mul(odds, real_expm1(dy));
+            next = real_div(real_mul(whole, odds), REAL(1) + odds);
+            if ((next > low && next < high) || !(low > REAL(0))) break;
+            odds = real_div(low, whole - low);
+            const real_t ratio = real_div(real_div(high, whole - high), odds);
+            dy = real_mul(real_log1p(ratio - REAL(1)), real_div(D - covered[0], covered[1] - covered[0]));
         }
-        if (!(next > low && next < high)) next = real_mul(REAL(0.5), low + high);
-        v = real_mul(next, whole);
+        const bool creeps = n >= SURELY && n % 2 == 0;
+        if (creeps || !(next > low && next < high)) next = real_mul(REAL(0.5), low + high);
+        next = next_knot(&leg->slow, v, next_knot(&leg->up, v, next));
     }
     leg->peak = v;
     // The tolerance was not met only where the reach leaps: then the lower side, and the rest is cruised.
-    if (leg->cruise < -real_mul(PEAK_TOLERANCE, D)) leg->cruise = cruise_at(leg, leg->peak = real_mul(low, whole), a);
+    if (leg->cruise < -real_mul(PEAK_TOLERANCE, D)) leg->cruise = cruise_at(leg, leg->peak = low, a);
 }
 
 // With one of the paper's ramps. The ramp up serves both.
