@@ -53,6 +53,7 @@ void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* 
     for (int i = 0; i < SSV_MAX_ATTACH_HEIGHTS; i++) {
         scenario->attach_heights_m[i] = real_from_double(wire->options.attach_heights_m[i]);
     }
+    scenario->attach_anywhere = wire->options.attach_anywhere != 0;
     scenario->want_candidates = wire->options.want_candidates != 0;
     scenario->ring_angle_given = wire->options.ring_angle_given != 0;
     scenario->ring_angle_rad = real_from_double(wire->options.ring_angle_rad);

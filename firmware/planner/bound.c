@@ -39,19 +39,27 @@ static bool can_row(const ssv_scenario_t* s) {
            s->beam.body.drag_quad_kg_m > REAL(0) || s->vehicle.body.drag_quad_kg_m > REAL(0);
 }
 
+// Where the beam may be held anywhere, heights this many to its length are tried, and none is farther than half of that from one.
+#define NUM_STEPS 8
+// Of the way by the height: the ring, where the transfer starts and where it ends each move by as much as the height.
+#define STEEPEST REAL(3)
+
 real_t ssv_lower_bound(const ssv_problem_t* problem) {
     const ssv_scenario_t* s = &problem->scenario;
     const uint32_t overflows = real_overflows();
     const vec3_t p_BS = pose_mul(pose_inv(s->X_IB), s->X_IS).p;
     const real_t off_ring = vec3_norm(vec3(p_BS.x, p_BS.y, REAL(0))) - s->standoff_m;
     const vec3_t axis_B = quat_apply(s->X_IB.q, vec3(REAL(0), REAL(0), REAL(1)));
+    const bool anywhere = s->attach_anywhere && s->method == SSV_METHOD_OPTIMAL;
+    const int num = anywhere ? NUM_STEPS + 1 : s->num_attach_heights;
+    const real_t step = real_div(s->beam.length_m, REAL(NUM_STEPS));
     real_t least = REAL(0);
     bool first = true;
     for (int contact = 1; contact <= SSV_NUM_CONTACTS; contact++) {
         if (s->contact != 0 && s->contact != contact) continue;
         const real_t end = ssv_grasp_contact(s, contact).z;
-        for (int k = 0; k < s->num_attach_heights; k++) {
-            const real_t height = s->attach_heights_m[k];
+        for (int k = 0; k < num; k++) {
+            const real_t height = anywhere ? real_mul(step, real_from_int(k - NUM_STEPS / 2)) : s->attach_heights_m[k];
             // The vehicle mates on a ring about the beam and ends on the same ring about the docked beam, outward axis
             // against the port's.
             real_t way = vec3_norm(vec3(off_ring, REAL(0), p_BS.z - height));
@@ -60,6 +68,7 @@ real_t ssv_lower_bound(const ssv_problem_t* problem) {
                 const vec3_t to = vec3_add(s->p_IP_m, vec3_scale(real_abs(end - height), s->axis_I));
                 way += real_max(REAL(0), vec3_norm(vec3_sub(to, from)) - real_mul(REAL(2), s->standoff_m));
             }
+            if (anywhere) way = real_max(REAL(0), way - real_mul(STEEPEST, real_mul(REAL(0.5), step)));
             if (first || way < least) least = way;
             first = false;
         }

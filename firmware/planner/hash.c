@@ -62,6 +62,7 @@ uint64_t ssv_scenario_hash(const ssv_scenario_t* scenario) {
     for (int k = 0; k < scenario->num_attach_heights && k < SSV_MAX_ATTACH_HEIGHTS; k++) {
         hash = hash_real(hash, scenario->attach_heights_m[k]);
     }
+    hash = hash_int(hash, scenario->attach_anywhere ? 1 : 0);
     hash = hash_int(hash, scenario->want_candidates ? 1 : 0);
     hash = hash_int(hash, scenario->ring_angle_given ? 1 : 0);
     return hash_real(hash, scenario->ring_angle_given ? scenario->ring_angle_rad : REAL(0));

@@ -191,7 +191,7 @@ SSV_OWN_FRAME static pose_t start_of(const ssv_task_t* carry, const ssv_trial_t*
     return motion.X_from;
 }
 
-// The cheapest transit to where this transfer begins. @return its price.
+// The cheapest transit to where this transfer begins; NULL if it is not asked for. @return its price.
 static real_t find_transit(ssv_task_t* carry, const ssv_handling_t* handling, const budget_t* budget, const ssv_trial_t* transfer,
                            ssv_trial_t* transit) {
     ssv_start_t list[MAX_TRANSITS];
@@ -201,18 +201,17 @@ static real_t find_transit(ssv_task_t* carry, const ssv_handling_t* handling, co
     price_all(&fly, list, num);
     refine_first(&fly, budget->worth_a_look, &budget->transit, list, num);
     carry->num_priced += fly.num_priced;
-    *transit = list[0].trial;
+    if (transit != NULL) *transit = list[0].trial;
     return list[0].price;
 }
 
 // Adds the transit, with the vehicle whichever way up that is cheaper.
 static void add_transit(ssv_task_t* carry, const ssv_handling_t* handling, ssv_start_t* start) {
     ssv_start_t other = *start;
-    ssv_trial_t transit;
     other.trial = other_way_up(&start->trial);
     if (!handling->either_way_up) other.price = try_price(carry, &other.trial);
-    start->transit_price = find_transit(carry, handling, &glance, &start->trial, &transit);
-    other.transit_price = find_transit(carry, handling, &glance, &other.trial, &transit);
+    start->transit_price = find_transit(carry, handling, &glance, &start->trial, NULL);
+    other.transit_price = find_transit(carry, handling, &glance, &other.trial, NULL);
     if (ssv_clearly_less(total(&other), total(start))) *start = other;
 }
 
@@ -293,11 +292,10 @@ SSV_OWN_FRAME static ssv_candidate_t price_exactly(const ssv_task_t* carry, cons
 }
 
 ssv_candidate_t ssv_search_optimal(const ssv_problem_t* problem, ssv_search_t* search, int contact, real_t height_m,
-                                   ssv_effort_t effort, bool looked, ssv_chain_t* best, int* num_priced) {
+                                   ssv_effort_t effort, ssv_chain_t* best, int* num_priced) {
     ssv_task_t carry = ssv_transfer_task(problem, contact, height_m);
     carry.closeness = budgets[effort].closeness;
     ssv_trial_t transfer, transit;
-    if (!looked && budgets[effort].kinds == 0) (void)ssv_optimal_look(problem, search, contact, height_m, NULL, num_priced);
     find(&carry, search, &budgets[effort], &transfer, &transit);
     *num_priced += carry.num_priced;
     return price_exactly(&carry, &transfer, &transit, best);

@@ -57,9 +57,16 @@ static int least_of(const real_t price[SSV_MAX_CANDIDATES], const bool done[SSV_
     return least;
 }
 
+// Searches a candidate, with a look before if effort quick needs one.
+static ssv_candidate_t search_at(const ssv_problem_t* problem, ssv_search_t* search, int contact, real_t height_m,
+                                 ssv_effort_t effort, bool looked, ssv_chain_t* best, int* num_priced) {
+    if (!looked && effort == SSV_EFFORT_QUICK) (void)ssv_optimal_look(problem, search, contact, height_m, NULL, num_priced);
+    return ssv_search_optimal(problem, search, contact, height_m, effort, best, num_priced);
+}
+
 // A look at the candidates with short ways, then a search of the most promising; of all if all are to be listed.
-static void search_optimal(const ssv_problem_t* problem, ssv_search_t* search, ssv_effort_t effort, ssv_quote_t* quote,
-                           ssv_chain_t* best) {
+SSV_OWN_FRAME static void search_optimal(const ssv_problem_t* problem, ssv_search_t* search, ssv_effort_t effort,
+                                         ssv_quote_t* quote, ssv_chain_t* best) {
     const bool all = problem->scenario.want_candidates;
     real_t promise[SSV_MAX_CANDIDATES], turns = REAL(0);
     int favourite = -1; // after the looks so far
@@ -91,8 +98,26 @@ static void search_optimal(const ssv_problem_t* problem, ssv_search_t* search, s
         if (n > 0 && !all && hopeless) break;
         ssv_candidate_t* candidate = &quote->candidate[next];
         done[next] = true;
-        improve(candidate, ssv_search_optimal(problem, search, candidate->contact, candidate->attach_height_m, effort, n == 0,
-                                              best, &quote->num_priced));
+        improve(candidate, search_at(problem, search, candidate->contact, candidate->attach_height_m, effort, n == 0, best,
+                                     &quote->num_priced));
+    }
+}
+
+// Steps along the beam from the best height so far to the better side, shorter where neither gains.
+#define FIRST_HEIGHT_STEP REAL(0.125) // of the beam
+#define NUM_HEIGHT_STEPS 6
+static void search_along_beam(const ssv_problem_t* problem, ssv_search_t* search, ssv_effort_t effort, ssv_quote_t* quote,
+                              ssv_chain_t* best) {
+    const real_t length = problem->scenario.beam.length_m, end = real_mul(REAL(0.5), length);
+    real_t step = real_mul(FIRST_HEIGHT_STEP, length);
+    for (int n = 0; n < NUM_HEIGHT_STEPS && best->price.outcome == SSV_FEASIBLE; n++) {
+        const real_t from = best->grasp.height_m;
+        for (int side = -1; side <= 1; side += 2) {
+            const real_t height = real_max(-end, real_min(end, side < 0 ? from - step : from + step));
+            if (height == from) continue;
+            (void)search_at(problem, search, best->grasp.contact, height, effort, false, best, &quote->num_priced);
+        }
+        if (best->grasp.height_m == from) step = real_mul(REAL(0.5), step);
     }
 }
 
@@ -120,7 +145,9 @@ bool ssv_choose(ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
     // More effort starts with what less effort does, and the paper's chains follow where these could still be cheaper: neither
     // ever costs more.
     for (int effort = SSV_EFFORT_QUICK; effort <= (int)scenario->effort; effort++) {
-        search_optimal(problem, (ssv_search_t*)problem->work, (ssv_effort_t)effort, quote, best);
+        ssv_search_t* search = (ssv_search_t*)problem->work;
+        search_optimal(problem, search, (ssv_effort_t)effort, quote, best);
+        if (scenario->attach_anywhere) search_along_beam(problem, search, (ssv_effort_t)effort, quote, best);
     }
     search_paper(problem, quote, best);
     return best->price.outcome == SSV_FEASIBLE;

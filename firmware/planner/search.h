@@ -35,9 +35,9 @@ real_t ssv_optimal_look(const ssv_problem_t* problem, ssv_search_t* search, int 
                         int* num_priced);
 
 /// Turn, fly, turn in both phases, with travel attitudes, pivots, ring angle and both free rolls by J (DESIGN.md 6). The search
-/// goes by estimates, the price is exact. @param looked whether the look is at this candidate; effort quick goes on from there.
-/// *best is replaced if what is found costs less. @return what was found.
+/// goes by estimates, the price is exact; effort quick goes on from the look, which must be at this candidate. *best is replaced
+/// if what is found costs less. @return what was found.
 ssv_candidate_t ssv_search_optimal(const ssv_problem_t* problem, ssv_search_t* search, int contact, real_t height_m,
-                                   ssv_effort_t effort, bool looked, ssv_chain_t* best, int* num_priced);
+                                   ssv_effort_t effort, ssv_chain_t* best, int* num_priced);
 
 #endif

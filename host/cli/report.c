@@ -107,7 +107,7 @@ static json_t* beam_json(const lcm_ssv_beam_t* beam) {
 static json_t* question_json(const lcm_ssv_scenario_t* question) {
     const lcm_ssv_options_t* options = &question->options;
     return json_pack(
-        "{s:I, s:I, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:i, s:f, s:{s:f, s:f}, s:o, s:o, s:s, s:s, s:b, s:b}",
+        "{s:I, s:I, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:i, s:f, s:{s:f, s:f}, s:o, s:b, s:o, s:s, s:s, s:b, s:b}",
         "request_id", (json_int_t)question->request_id, "epoch_us", (json_int_t)question->epoch_us,
         "vehicle", vehicle_json(&question->vehicle), "beam", beam_json(&question->beam),
         "X_IS", pose_json("p_IS_m", "q_IS", &question->X_IS), "X_IB", pose_json("p_IB_m", "q_IB", &question->X_IB),
@@ -115,6 +115,7 @@ static json_t* question_json(const lcm_ssv_scenario_t* question) {
         "contact", question->contact, "standoff_m", question->standoff_m,
         "weights", "time", question->weight_time_per_s, "impulse", question->weight_impulse_per_Ns,
         "attach_heights_m", vector_json(options->attach_heights_m, options->num_attach_heights),
+        "attach_anywhere", options->attach_anywhere != 0,
         "ring_angle_rad", options->ring_angle_given ? json_real(options->ring_angle_rad) : json_null(),
         "method", NAME(scenario_methods, options->method), "effort", NAME(scenario_efforts, options->effort),
         "want_candidates", options->want_candidates != 0, "want_front", options->want_front != 0);
@@ -300,19 +301,35 @@ bool report_quotes_json(FILE* out, const void* report) {
     return write_json(out, json_pack("{s:o}", "quotes", array));
 }
 
+static void candidate_row(FILE* out, const lcm_ssv_candidate_t* candidate, bool chosen) {
+    fprintf(out, "  %7d %+9.4f %+8.1f %11.3f %12.3f %12.3f%s\n", candidate->contact, candidate->attach_height_m,
+            candidate->ring_angle_rad * DEG_PER_RAD, candidate->time_s, candidate->impulse_Ns, candidate->cost,
+            chosen ? "  chosen" : "");
+}
+
 static void candidates_table(FILE* out, const lcm_ssv_quote_t* quote) {
+    bool missing = quote->status == LCM_SSV_QUOTE_T_STATUS_OK; // the choice may stand between the heights that were given
     fprintf(out, "  %7s %9s %8s %11s %12s %12s\n", "contact", "height m", "ring deg", "time s", "impulse N s", "J");
     for (int i = 0; i < quote->num_candidates; i++) {
         const lcm_ssv_candidate_t* candidate = &quote->candidates[i];
-        fprintf(out, "  %7d %+9.4f", candidate->contact, candidate->attach_height_m);
         if (candidate->reason[0] != '\0') {
-            fprintf(out, " %8s not feasible: %s\n", "", candidate->reason);
+            fprintf(out, "  %7d %+9.4f %8s not feasible: %s\n", candidate->contact, candidate->attach_height_m, "",
+                    candidate->reason);
             continue;
         }
         const bool chosen = quote->status == LCM_SSV_QUOTE_T_STATUS_OK && candidate->contact == quote->choice.contact &&
                             candidate->attach_height_m == quote->choice.attach_height_m;
-        fprintf(out, " %+8.1f %11.3f %12.3f %12.3f%s\n", candidate->ring_angle_rad * DEG_PER_RAD, candidate->time_s,
-                candidate->impulse_Ns, candidate->cost, chosen ? "  chosen" : "");
+        candidate_row(out, candidate, chosen);
+        missing = missing && !chosen;
+    }
+    if (missing) {
+        const lcm_ssv_candidate_t choice = {.contact = quote->choice.contact,
+                                            .attach_height_m = quote->choice.attach_height_m,
+                                            .ring_angle_rad = quote->choice.ring_angle_rad,
+                                            .time_s = quote->time_s,
+                                            .impulse_Ns = quote->impulse_Ns,
+                                            .cost = quote->cost};
+        candidate_row(out, &choice, true);
     }
 }
 

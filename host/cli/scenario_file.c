@@ -102,6 +102,7 @@ typedef struct {
     weights_text_t weights;
     char** attach_heights_m;
     unsigned attach_heights_m_count;
+    char* attach_anywhere;
     char* ring_angle_rad;
     char* method;
     char* effort;
@@ -213,6 +214,7 @@ static const cyaml_schema_field_t scenario_fields[] = {
     MAPPING(scenario_text_t, weights, weights_fields),
     CYAML_FIELD_SEQUENCE("attach_heights_m", CYAML_FLAG_POINTER | OPTIONAL, scenario_text_t, attach_heights_m, &scalar, 1,
                          SSV_MAX_ATTACH_HEIGHTS),
+    SCALAR(OPTIONAL, scenario_text_t, attach_anywhere),
     SCALAR(OPTIONAL, scenario_text_t, ring_angle_rad),
     SCALAR(OPTIONAL, scenario_text_t, method),
     SCALAR(OPTIONAL, scenario_text_t, effort),
@@ -606,6 +608,8 @@ static void scenario_convert(error_t* error, const scenario_text_t* text, lcm_ss
     const int heights = (int)text->attach_heights_m_count;
     scenario->options.num_attach_heights = (int8_t)heights;
     numbers(error, "", "attach_heights_m", text->attach_heights_m, heights, scenario->options.attach_heights_m);
+    scenario->options.attach_anywhere =
+        text->attach_anywhere != NULL && one_of(error, "attach_anywhere", text->attach_anywhere, booleans, 2) == 1;
     scenario->options.ring_angle_given = text->ring_angle_rad != NULL;
     scenario->options.ring_angle_rad = number(error, "", "ring_angle_rad", text->ring_angle_rad);
     const char* const method = text->method == NULL ? SCENARIO_METHOD_DEFAULT : text->method;

@@ -29,6 +29,7 @@ static bool write_scenario(const char* folder, int number, const lcm_ssv_scenari
         ways[k] = *scenario;
         ways[k].options.method = k / 2 == 0 ? LCM_SSV_OPTIONS_T_METHOD_OPTIMAL : LCM_SSV_OPTIONS_T_METHOD_PAPER;
         ways[k].options.effort = k % 2 == 0 ? LCM_SSV_OPTIONS_T_EFFORT_QUICK : LCM_SSV_OPTIONS_T_EFFORT_BEST;
+        ways[k].options.attach_anywhere = k == 0;
         ways[k].options.want_candidates = k != 1;
         ways[k].options.want_front = k == 2;
         const int size = lcm_ssv_scenario_t_encode(bytes, 0, sizeof bytes, &ways[k]);

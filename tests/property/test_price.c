@@ -15,6 +15,7 @@
 #define MAX_BOUNDS 1000000
 #define MAX_PLANS 10000
 #define MAX_FRONTS 2000
+#define MAX_ANYWHERE 5000
 
 void setUp(void) {}
 void tearDown(void) {}
@@ -135,8 +136,9 @@ typedef struct {
     double off[NUM_CHANGES]; // relative change of the price
 } changes_t;
 
-static void change(ssv_method_t method, int k, changes_t* result) {
-    const ssv_scenario_t s = task(k, method, SSV_EFFORT_QUICK);
+static void change(ssv_method_t method, bool anywhere, int k, changes_t* result) {
+    ssv_scenario_t s = task(k, method, SSV_EFFORT_QUICK);
+    s.attach_anywhere = anywhere;
     ssv_scenario_t changed[NUM_CHANGES] = {s, s, s, s};
     const vec3_t p = task_vector(100);
     changed[MOVED] = task_moved(&s, (pose_t){p, task_attitude()});
@@ -151,8 +153,9 @@ static void change(ssv_method_t method, int k, changes_t* result) {
     }
 }
 
-static void change_paper(int k, void* result) { change(SSV_METHOD_PAPER, k, result); }
-static void change_optimal(int k, void* result) { change(SSV_METHOD_OPTIMAL, k, result); }
+static void change_paper(int k, void* result) { change(SSV_METHOD_PAPER, false, k, result); }
+static void change_optimal(int k, void* result) { change(SSV_METHOD_OPTIMAL, false, k, result); }
+static void change_anywhere(int k, void* result) { change(SSV_METHOD_OPTIMAL, true, k, result); }
 
 static void check_invariance(const char* name, int count, void (*run)(int k, void* result)) {
     const changes_t* c = sweep(name, count, sizeof *c, run);
@@ -180,11 +183,8 @@ static void test_price_by_paper_has_no_place_or_handedness_and_scales_with_the_w
 
 static void test_price_by_optimal_has_no_place_or_handedness_and_scales_with_the_weights(void) {
     check_invariance("optimal", sweep_count(200, MAX_TASKS), change_optimal);
+    check_invariance("optimal, anywhere along the beam", sweep_count(20, MAX_ANYWHERE), change_anywhere);
 }
-
-// ---- Quotes, plans and fronts -------------------------------------------------------------------------------------------
-
-typedef enum { AS_QUOTED, BY_PAPER, DIFFERENT } plan_outcome_t;
 
 static bool same_price(const ssv_quote_t* a, const ssv_quote_t* b) {
     const ssv_candidate_t *x = &a->choice, *y = &b->choice;
@@ -192,6 +192,70 @@ static bool same_price(const ssv_quote_t* a, const ssv_quote_t* b) {
            a->impulse_Ns == b->impulse_Ns && a->lower_bound == b->lower_bound && x->contact == y->contact &&
            x->attach_height_m == y->attach_height_m && x->ring_angle_rad == y->ring_angle_rad;
 }
+
+// ---- Anywhere along the beam --------------------------------------------------------------------------------------------
+
+static ssv_scenario_t anywhere(int k, ssv_effort_t effort) {
+    ssv_scenario_t s = task(k, SSV_METHOD_OPTIMAL, effort);
+    s.want_candidates = false;
+    s.attach_anywhere = true;
+    return s;
+}
+
+typedef struct {
+    double given, anywhere, bound, paper;
+    bool on_beam, as_quoted, bounded; // bounded: no bound is above that for the heights given
+} freed_t;
+
+static void free_height(int k, void* result) {
+    static ssv_plan_t plan;
+    freed_t* f = result;
+    ssv_scenario_t s = anywhere(k, k % BEST_EVERY == 0 ? SSV_EFFORT_BEST : SSV_EFFORT_QUICK);
+    const double end = 0.5 * s.beam.length_m;
+    ssv_problem_t problem;
+    ssv_quote_t quote;
+    ssv_fault_t fault;
+    f->anywhere = quote_of(&s, &quote) ? quote.cost : (double)NAN;
+    f->bound = quote.lower_bound;
+    f->on_beam = fabs(quote.choice.attach_height_m) <= end;
+    f->as_quoted = ssv_problem_init(&problem, &s, &fault) == SSV_OK && ssv_plan(&problem, &plan) == SSV_OK &&
+                   same_price(&plan.quote, &quote);
+    s.attach_anywhere = false;
+    f->given = quote_of(&s, &quote) ? quote.cost : (double)NAN;
+    f->bounded = f->bound <= quote.lower_bound;
+    // The bound must hold for whichever height the asker might have given instead.
+    s.num_attach_heights = 1;
+    s.attach_heights_m[0] = task_between(-end, end);
+    s.method = SSV_METHOD_PAPER;
+    f->paper = price(&s);
+}
+
+static void test_price_anywhere_along_the_beam_is_never_above_that_at_the_heights_given_nor_below_its_bound(void) {
+    const int count = sweep_count(60, MAX_ANYWHERE);
+    const freed_t* f = sweep("anywhere along the beam", count, sizeof *f, free_height);
+    static double saved[MAX_ANYWHERE];
+    breaches_t above = {0, 0}, below_bound = {0, 0}, off_beam = {0, 0}, other_plan = {0, 0};
+    TEST_ASSERT_NOT_NULL(f);
+    for (int k = 0; k < count; k++) {
+        expect(f[k].anywhere <= f[k].given, k, &above);
+        expect(f[k].bounded && f[k].bound <= f[k].anywhere && f[k].bound <= f[k].paper, k, &below_bound);
+        expect(f[k].on_beam, k, &off_beam);
+        expect(f[k].as_quoted, k, &other_plan);
+        saved[k] = 1 - f[k].anywhere / f[k].given;
+    }
+    printf("seed %d, %d tasks: anywhere saves %.2f %% (median; 1 in 100 above %.1f %%)\n", SEED, count,
+           100 * sweep_quantile(saved, count, 0.5), 100 * sweep_quantile(saved, count, 0.99));
+    assert_none("above the heights given", above);
+    assert_none("below the bound", below_bound);
+    assert_none("off the beam", off_beam);
+    assert_none("quoted is not what is planned", other_plan);
+    // A step that never gained would pass all that.
+    TEST_ASSERT_TRUE(sweep_quantile(saved, count, 0.9) > 0.005);
+}
+
+// ---- Quotes, plans and fronts -------------------------------------------------------------------------------------------
+
+typedef enum { AS_QUOTED, BY_PAPER, DIFFERENT } plan_outcome_t;
 
 static void compare_quote_with_plan(int k, void* result) {
     const ssv_scenario_t s = task(k, SSV_METHOD_OPTIMAL, k % BEST_EVERY == 0 ? SSV_EFFORT_BEST : SSV_EFFORT_QUICK);
@@ -284,6 +348,7 @@ int main(void) {
     RUN_TEST(test_paper_never_costs_less_than_the_lower_bound);
     RUN_TEST(test_price_by_paper_has_no_place_or_handedness_and_scales_with_the_weights);
     RUN_TEST(test_price_by_optimal_has_no_place_or_handedness_and_scales_with_the_weights);
+    RUN_TEST(test_price_anywhere_along_the_beam_is_never_above_that_at_the_heights_given_nor_below_its_bound);
     RUN_TEST(test_quote_is_the_price_of_the_plan_to_the_last_bit);
     RUN_TEST(test_front_has_no_dominated_point_and_none_that_the_quote_betters);
     return UNITY_END();

@@ -139,7 +139,8 @@ class BadInputTest(InFolder):
         self.assert_refused(self.scenario(("contact: 1", "contact: 3")), "beam.contact: '3'", "either, 1, 2")
         self.assert_refused(self.scenario(("port: 1", "port: 4"), base=PORT1), "hub.port: '4'", "1, 2, 3")
         for key, word, choices in (("method", "fastest", "optimal, paper"), ("effort", "1", "quick, best"),
-                                   ("candidates", "yes", "false, true"), ("front", "1", "false, true")):
+                                   ("candidates", "yes", "false, true"), ("front", "1", "false, true"),
+                                   ("attach_anywhere", "on", "false, true")):
             path = self.scenario(("model: paper", f"model: paper\n{key}: {word}"))
             self.assert_refused(path, f"{key}: '{word}' is none of {choices}")
 
@@ -341,8 +342,8 @@ PLAN_SHAPE = {
         "vehicle": BODY | {"radius_m": "real", "force_max_N": "real", "thrusters": ["any", {"p_ST_m": V3, "n_T_S": V3}]},
         "beam": BODY | {"radius_m": "real", "length_m": "real", "drag_strip_kg_m2": "real"},
         "X_IS": POSE_S, "X_IB": POSE_B, "port": {"p_IP_m": V3, "axis_I": V3}, "contact": "integer", "standoff_m": "real",
-        "weights": {"time": "real", "impulse": "real"}, "attach_heights_m": [], "ring_angle_rad": "null", "method": "text",
-        "effort": "text", "want_candidates": "flag", "want_front": "flag",
+        "weights": {"time": "real", "impulse": "real"}, "attach_heights_m": [], "attach_anywhere": "flag",
+        "ring_angle_rad": "null", "method": "text", "effort": "text", "want_candidates": "flag", "want_front": "flag",
     },
 }
 
@@ -491,6 +492,21 @@ class CandidatesAndFrontTest(InFolder):
                     table = ssv(command, path, "--candidates", *METHODS[method]).stdout
                     self.assertEqual(table.count("  chosen\n"), 1)
                     self.assertEqual(ssv(command, path, *METHODS[method]).stdout.count("chosen"), 0)
+
+    def test_anywhere_along_the_beam_is_cheaper_than_at_the_heights_given_and_the_table_still_has_the_choice(self):
+        # Held a little off the middle the beam takes less time to turn.
+        anywhere = self.scenario(("model: paper", "model: paper\nattach_anywhere: true"))
+        given = self.answer("quote", PAPER_CASE, "--weights", "1,0")
+        freed = self.answer("quote", anywhere, "--weights", "1,0", "--candidates")
+        self.assertLess(freed["cost"]["J"], 0.998 * given["cost"]["J"])
+        self.assertLessEqual(freed["cost"]["J_lower_bound"], given["cost"]["J_lower_bound"])
+        height = freed["choice"]["attach_height_m"]
+        self.assertLess(abs(height), 1.524)
+        self.assertEqual([c["attach_height_m"] for c in freed["candidates"]], [1.524, 0, -1.524])
+        self.assertNotIn(height, [1.524, 0, -1.524])
+        table = ssv("quote", anywhere, "--weights", "1,0", "--candidates").stdout
+        self.assertRegex(table, rf"\n +1 +{height:+.4f} .*  chosen\n")
+        self.assertEqual(table.count("  chosen\n"), 1)
 
     def test_no_point_of_a_front_is_better_than_another_in_both_and_it_is_no_worse_than_the_quote(self):
         for path, weights in itertools.product(SCENARIOS, ("1,0", "1,0.1", "1,1", "0,1")):

@@ -432,6 +432,7 @@ def unlike():
         q = changed(q, "weight_impulse_per_Ns", (0, 0.1, 1, 10)[i % 4])
         q = changed(q, "options.method", i % 3 == 2)
         q = changed(q, "options.effort", i % 5 == 4)
+        q = changed(q, "options.attach_anywhere", i % 7 == 3)
         q = changed(q, "options.want_candidates", i % 2 == 1)
         q = changed(q, "options.want_front", i % 4 >= 2)
         if i % 4 == 3:

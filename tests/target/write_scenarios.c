@@ -66,6 +66,7 @@ static void print_scenario(const lcm_ssv_scenario_t* scenario) {
     printf("     .effort = (ssv_effort_t)%d,\n", scenario->options.effort);
     printf("     .num_attach_heights = %d,\n", scenario->options.num_attach_heights);
     print_numbers("attach_heights_m", scenario->options.attach_heights_m, SSV_MAX_ATTACH_HEIGHTS);
+    printf("     .attach_anywhere = %d,\n", scenario->options.attach_anywhere);
     printf("     .want_candidates = %d,\n", scenario->options.want_candidates);
     printf("     .ring_angle_given = %d,\n", scenario->options.ring_angle_given);
     print_number("ring_angle_rad", scenario->options.ring_angle_rad);

@@ -133,6 +133,7 @@ typedef struct {
     ssv_effort_t effort;          ///< of SSV_METHOD_OPTIMAL
     int num_attach_heights;       ///< [0, SSV_MAX_ATTACH_HEIGHTS]; 0 = the three rings +length/2, 0, -length/2 (paper Eq. 3)
     real_t attach_heights_m[SSV_MAX_ATTACH_HEIGHTS]; ///< [m] along z_B, each |h| <= length/2
+    bool attach_anywhere;         ///< whether SSV_METHOD_OPTIMAL goes on between them, from the best one; takes several times as long
     bool want_candidates;         ///< whether the answer lists every candidate; all are searched then, which takes longer and may find a lower price
     bool ring_angle_given;        ///< whether ring_angle_rad holds
     real_t ring_angle_rad;        ///< [rad] |angle| <= 2 pi, about z_B from x_B, the side of the beam to mate on
