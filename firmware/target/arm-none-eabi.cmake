@@ -14,6 +14,9 @@ if(NOT DEFINED options_${SSV_CPU})
 endif()
 set(CMAKE_BUILD_TYPE MinSizeRel CACHE STRING "Small first: -Os")
 set(CMAKE_C_COMPILER arm-none-eabi-gcc)
-# Structures of 64-bit numbers do not fit registers: to split them costs 2 % of the text.
-set(CMAKE_C_FLAGS_INIT "-mthumb ${options_${SSV_CPU}} -ffunction-sections -fdata-sections -fstack-usage -fno-tree-sra")
+set(CMAKE_C_FLAGS_INIT "-mthumb ${options_${SSV_CPU}} -ffunction-sections -fdata-sections -fstack-usage")
+if(SSV_REAL STREQUAL "fixed")
+  # Structures of 64-bit numbers do not fit the registers: to split them costs 2 % of the text.
+  string(APPEND CMAKE_C_FLAGS_INIT " -fno-tree-sra")
+endif()
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)  # a program would need a linker script
