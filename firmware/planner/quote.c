@@ -103,11 +103,10 @@ SSV_OWN_FRAME static void search_optimal(const ssv_problem_t* problem, ssv_searc
     }
 }
 
-// Steps along the beam from the best height so far to the better side, shorter where neither gains.
+// Steps along the beam from the best height so far to the better side, shorter where neither gains; each with a quick search.
 #define FIRST_HEIGHT_STEP REAL(0.125) // of the beam
 #define NUM_HEIGHT_STEPS 6
-static void search_along_beam(const ssv_problem_t* problem, ssv_search_t* search, ssv_effort_t effort, ssv_quote_t* quote,
-                              ssv_chain_t* best) {
+static void search_along_beam(const ssv_problem_t* problem, ssv_search_t* search, ssv_quote_t* quote, ssv_chain_t* best) {
     const real_t length = problem->scenario.beam.length_m, end = real_mul(REAL(0.5), length);
     real_t step = real_mul(FIRST_HEIGHT_STEP, length);
     for (int n = 0; n < NUM_HEIGHT_STEPS && best->price.outcome == SSV_FEASIBLE; n++) {
@@ -115,7 +114,8 @@ static void search_along_beam(const ssv_problem_t* problem, ssv_search_t* search
         for (int side = -1; side <= 1; side += 2) {
             const real_t height = real_max(-end, real_min(end, side < 0 ? from - step : from + step));
             if (height == from) continue;
-            (void)search_at(problem, search, best->grasp.contact, height, effort, false, best, &quote->num_priced);
+            const int contact = best->grasp.contact;
+            (void)search_at(problem, search, contact, height, SSV_EFFORT_QUICK, false, best, &quote->num_priced);
         }
         if (best->grasp.height_m == from) step = real_mul(REAL(0.5), step);
     }
@@ -144,10 +144,15 @@ bool ssv_choose(ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
     begin(problem, quote, best);
     // More effort starts with what less effort does, and the paper's chains follow where these could still be cheaper: neither
     // ever costs more.
-    for (int effort = SSV_EFFORT_QUICK; effort <= (int)scenario->effort; effort++) {
-        ssv_search_t* search = (ssv_search_t*)problem->work;
-        search_optimal(problem, search, (ssv_effort_t)effort, quote, best);
-        if (scenario->attach_anywhere) search_along_beam(problem, search, (ssv_effort_t)effort, quote, best);
+    ssv_search_t* search = (ssv_search_t*)problem->work;
+    search_optimal(problem, search, SSV_EFFORT_QUICK, quote, best);
+    if (scenario->attach_anywhere) search_along_beam(problem, search, quote, best);
+    if (scenario->effort == SSV_EFFORT_BEST) {
+        const bool between = scenario->attach_anywhere && best->price.outcome == SSV_FEASIBLE;
+        const int contact = between ? best->grasp.contact : 0;
+        const real_t height_m = between ? best->grasp.height_m : REAL(0);
+        search_optimal(problem, search, SSV_EFFORT_BEST, quote, best);
+        if (between) (void)ssv_search_optimal(problem, search, contact, height_m, SSV_EFFORT_BEST, best, &quote->num_priced);
     }
     search_paper(problem, quote, best);
     return best->price.outcome == SSV_FEASIBLE;

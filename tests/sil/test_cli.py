@@ -505,7 +505,7 @@ class CandidatesAndFrontTest(InFolder):
         self.assertEqual([c["attach_height_m"] for c in freed["candidates"]], [1.524, 0, -1.524])
         self.assertNotIn(height, [1.524, 0, -1.524])
         table = ssv("quote", anywhere, "--weights", "1,0", "--candidates").stdout
-        self.assertRegex(table, rf"\n +1 +{height:+.4f} .*  chosen\n")
+        self.assertRegex(table, rf"\n +1 +{re.escape(f'{height:+.4f}')} .*  chosen\n")
         self.assertEqual(table.count("  chosen\n"), 1)
 
     def test_no_point_of_a_front_is_better_than_another_in_both_and_it_is_no_worse_than_the_quote(self):
