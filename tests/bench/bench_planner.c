@@ -457,7 +457,7 @@ static void report_euler(report_t* report) {
         }
     }
     ssv_problem_t quick = problem_of(case_study(false), &ways[QUICK]);
-    samples_t euler_ms[2] = {{0}, {0}}, paper_ms = {0}, quick_ms = {0};
+    samples_t euler_ms[2] = {{0}, {0}}, legs_ms = {0}, paper_ms = {0}, quick_ms = {0};
     double euler_cost[2];
     int steps[2];
     for (int repeat = 0; repeat < EULER_REPEATS; repeat++) {
@@ -474,15 +474,22 @@ static void report_euler(report_t* report) {
             samples_add(&euler_ms[hold], now_ms() - start);
         }
         for (int k = 0; k < 10; k++) {
+            const double start = now_ms();
+            for (int leg = 0; leg < num; leg++) {
+                ssv_profile_price_t full_reverse, drag_only;
+                ssv_profile_price_ramps(&legs[leg].thrusts, &legs[leg].rule, legs[leg].length, &full_reverse, &drag_only);
+            }
+            samples_add(&legs_ms, now_ms() - start);
             samples_add(&paper_ms, quote_ms(&all));
             samples_add(&quick_ms, quote_ms(&quick));
         }
     }
     static const char* const name[2] = {"ramps stepped, hold at once", "every second stepped"};
-    const double paper = samples_quantile(&paper_ms, 0.5);
+    const double paper = samples_quantile(&paper_ms, 0.5), alone = samples_quantile(&legs_ms, 0.5);
     report_section(report, "euler",
                    "The paper's Euler iteration with steps of 0.01 s over the legs of the case study's three candidates, "
-                   "against their price by ssv_quote,\nmethod paper (and quick, which prices many more motions)");
+                   "against their price by ssv_quote,\nmethod paper (and quick, which prices many more motions), and against "
+                   "the planner's price of the same legs alone");
     for (int hold = EULER_HOLD_IN_ONE; hold <= EULER_HOLD_STEPPED; hold++) {
         const double euler = samples_quantile(&euler_ms[hold], 0.5);
         report_row(report);
@@ -490,7 +497,9 @@ static void report_euler(report_t* report) {
         report_count(report, "steps", steps[hold]);
         report_figure(report, "Euler_ms", euler);
         report_figure(report, "paper_ms", paper);
+        report_figure(report, "legs_ms", alone);
         report_figure(report, "Euler_over_paper", euler / paper);
+        report_figure(report, "Euler_over_legs", euler / alone);
         report_figure(report, "Euler_over_quick", euler / samples_quantile(&quick_ms, 0.5));
         report_figure(report, "Euler_J_over_J", euler_cost[hold] / planner_cost);
         char what[120];
