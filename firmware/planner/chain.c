@@ -18,15 +18,26 @@ ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, pose_t X_IS) 
     return (ssv_assembly_t){&scenario->vehicle, &scenario->beam, pose_mul(pose_inv(X_IS), scenario->X_IB)};
 }
 
-void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, pose_t X_IS, ssv_flight_t* flight) {
+static bool same(vec3_t a, vec3_t b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+static bool same_move(const ssv_move_t* a, const ssv_move_t* b) {
+    return a->kind == b->kind && a->length == b->length && same(a->twist.v, b->twist.v) && same(a->twist.w, b->twist.w);
+}
+
+void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, pose_t X_IS, const ssv_flight_t* known,
+                      ssv_flight_t* flight) {
     flight->X_IS_end = X_IS;
     flight->price = (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
     for (int k = 0; k < flight->num_moves; k++) {
         const ssv_move_t* move = &flight->move[k];
-        ssv_thrusts_t thrusts;
-        ssv_ramp_t ramp;
-        ssv_move_thrusts(problem, assembly, move->twist, &thrusts);
-        flight->move_price[k] = ssv_move_price(problem, move, &thrusts, &ramp);
+        if (known != NULL && k < known->num_moves && same_move(move, &known->move[k])) {
+            flight->move_price[k] = known->move_price[k];
+        } else {
+            ssv_thrusts_t thrusts;
+            ssv_ramp_t ramp;
+            ssv_move_thrusts(problem, assembly, move->twist, &thrusts);
+            flight->move_price[k] = ssv_move_price(problem, move, &thrusts, &ramp);
+        }
         add_price(&flight->price, &flight->move_price[k]);
         flight->X_IS_end = ssv_move_pose(flight->X_IS_end, move->twist, move->length);
     }

@@ -35,8 +35,10 @@ ssv_assembly_t ssv_vehicle_alone(const ssv_problem_t* problem);
 /// Vehicle and beam, mated with the beam where it lies and the vehicle at X_IS.
 ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, pose_t X_IS);
 
-/// Prices flight->move[0..num_moves) flown from X_IS and fills in the rest.
-void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, pose_t X_IS, ssv_flight_t* flight);
+/// Prices flight->move[0..num_moves) flown from X_IS and fills in the rest. Moves that a flight of the same assembly that was
+/// priced before has in the same place are not priced again; NULL if there is none.
+void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, pose_t X_IS, const ssv_flight_t* known,
+                      ssv_flight_t* flight);
 
 /// About what moves cost together, by ssv_profile_estimate. @return false if the thrusters cannot do one of them; then *price is
 /// meaningless.

@@ -33,11 +33,11 @@ static void list_candidates(const ssv_scenario_t* scenario, ssv_quote_t* quote) 
 static void search_paper(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
     const ssv_price_t to_beat = best->price;
     ssv_chain_t chain;
+    ssv_flight_t to_beam = {.num_moves = 0};
     for (int k = 0; k < quote->num_candidates; k++) {
         ssv_candidate_t* candidate = &quote->candidate[k];
-        if (!ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, &to_beat, &chain, &quote->num_priced)) {
-            continue;
-        }
+        const int contact = candidate->contact;
+        if (!ssv_search_paper(problem, contact, candidate->attach_height_m, &to_beat, &to_beam, &chain, &quote->num_priced)) continue;
         improve(candidate, ssv_candidate_of(&chain.grasp, &chain.price));
         if (ssv_price_beats(&chain.price, &best->price)) *best = chain;
     }
@@ -164,7 +164,8 @@ bool ssv_choose_another(const ssv_problem_t* problem, ssv_outcome_t outcome, ssv
     k = cheapest(quote);
     if (k < 0) return false;
     const ssv_candidate_t* candidate = &quote->candidate[k];
-    (void)ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, NULL, chain, &quote->num_priced);
+    ssv_flight_t to_beam = {.num_moves = 0};
+    (void)ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, NULL, &to_beam, chain, &quote->num_priced);
     return true;
 }
 

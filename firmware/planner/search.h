@@ -6,10 +6,11 @@
 
 /// The paper's chain: nearest ring angle (or the cheapest of several where none is nearest); translate, then turn the shortest
 /// way; turn about C, then translate. Ring angles that a bound, or an estimate with a margin, rules out against a feasible price
-/// *to_beat are left out; NULL leaves out none. *num_priced grows by the chains that were priced. @return false if all were left
-/// out; then *best is not meaningful.
-bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, const ssv_price_t* to_beat, ssv_chain_t* best,
-                      int* num_priced);
+/// *to_beat are left out; NULL leaves out none. *to_beam is the transit that was priced last, at first one without moves: from one
+/// candidate to the next the turn is often the same. *num_priced grows by the chains that were priced. @return false if all were
+/// left out; then *best is not meaningful.
+bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, const ssv_price_t* to_beat,
+                      ssv_flight_t* to_beam, ssv_chain_t* best, int* num_priced);
 
 /// What a look at a candidate finds: the cheapest start, and those that are alike.
 #define SSV_LOOK_STARTS 4
