@@ -55,11 +55,7 @@ bool ssv_quadratic_roots(const real_t c[3], real_t far, real_t root[2]) {
 }
 
 real_t ssv_quadratic_root_after(const real_t c[3], real_t from, real_t to) {
-    // One sign at both ends, and no turning point in between: most calls end here.
-    const real_t a = ssv_quadratic_at(c, from), b = ssv_quadratic_at(c, to), twice = real_mul(REAL(2), c[2]);
-    const real_t slope_a = c[1] + real_mul(twice, from), slope_b = c[1] + real_mul(twice, to);
-    const bool one_sign = (a > REAL(0) && b > REAL(0)) || (a < REAL(0) && b < REAL(0));
-    if (one_sign && ((slope_a >= REAL(0)) == (slope_b >= REAL(0)))) return to;
+    if (ssv_quadratic_keeps_sign(c, from, to)) return to;
     real_t root[2];
     if (!ssv_quadratic_roots(c, real_mul(REAL(2), to), root)) return to;
     if (root[0] > from && root[0] < to) return root[0];

@@ -11,6 +11,13 @@ static inline real_t ssv_quadratic_size(const real_t c[3], real_t v) {
     return real_abs(c[0]) + real_mul(v, real_abs(c[1]) + real_mul(v, real_abs(c[2])));
 }
 
+/// Whether it has one sign at both speeds and does not turn in between: then it has no root there, as in most cases asked about.
+static inline bool ssv_quadratic_keeps_sign(const real_t c[3], real_t from, real_t to) {
+    const real_t a = ssv_quadratic_at(c, from), b = ssv_quadratic_at(c, to), twice = real_mul(REAL(2), c[2]);
+    const bool one_sign = (a > REAL(0) && b > REAL(0)) || (a < REAL(0) && b < REAL(0));
+    return one_sign && (c[1] + real_mul(twice, from) >= REAL(0)) == (c[1] + real_mul(twice, to) >= REAL(0));
+}
+
 /// Smaller and larger root of the quadratic, without cancellation. A root beyond `far` is given as `far`.
 /// @return false if there is none; then root is untouched.
 bool ssv_quadratic_roots(const real_t c[3], real_t far, real_t root[2]);

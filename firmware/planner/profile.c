@@ -292,6 +292,7 @@ static ssv_outcome_t solve(leg_t* leg, ssv_ramp_t ramp) {
 static real_t integral_of_size(const real_t law[3], const ssv_stretch_t* stretch, const real_t c[3], real_t nothing) {
     const ssv_moments_t* m = &stretch->m;
     const real_t whole = real_mul(c[0], m->time) + real_mul(c[1], m->distance) + real_mul(c[2], m->speed2);
+    if (ssv_quadratic_keeps_sign(c, stretch->v_low, stretch->v_high)) return real_abs(whole);
     real_t from = stretch->v_low, before = REAL(0), sum = REAL(0);
     for (int k = 0; k < 2 && ssv_quadratic_size(c, stretch->v_high) > nothing; k++) { // at most two changes of sign
         const real_t root = ssv_quadratic_root_after(c, from, stretch->v_high);
