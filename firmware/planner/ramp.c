@@ -114,6 +114,7 @@ static real_t next_crossing(const ssv_steering_t* s, int side, bool kinks, int l
             // What was equal to compare() is equal here, or their rounding could hide that they cross.
             const real_t here = ssv_quadratic_at(d, from - real_mul(PROBE, s->top));
             if (!kinks && real_abs(here) <= noise) d[0] -= here;
+            if (ssv_quadratic_keeps_sign(d, from, next)) continue;
             if (ssv_quadratic_size(d, to) > noise) next = ssv_quadratic_root_after(d, from, next);
         }
     }
