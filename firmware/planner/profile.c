@@ -68,6 +68,7 @@ typedef struct {
     ssv_stretch_t stretch[MAX_STRETCHES];
     ssv_ramp_table_t up, slow;
     real_t peak, cruise;
+    ssv_stretch_t hold;
 } leg_t;
 
 static void restart(ssv_ramp_table_t* ramp) { ramp->num = 0; }
@@ -325,26 +326,27 @@ static real_t impulse(const leg_t* leg, const real_t law[3], const ssv_stretch_t
 // A piece in time: its law, stretch and impulse in the leg's units.
 typedef struct {
     real_t law[3], impulse;
-    ssv_stretch_t stretch;
+    const ssv_stretch_t* stretch;
     bool falls;
 } part_t;
 
 static int num_parts(const leg_t* leg) { return leg->up.last + 1 + (leg->cruise > REAL(0) ? 1 : 0) + leg->slow.last + 1; }
 
-static part_t part_at(const leg_t* leg, int n) {
-    part_t part = {{REAL(0), REAL(0), REAL(0)}, REAL(0), {leg->peak, leg->peak, {REAL(0), REAL(0), REAL(0)}, 0}, false};
+static void take_part(leg_t* leg, int n, part_t* part) {
     const int back = num_parts(leg) - 1 - n; // the slow ramp backwards
-    part.falls = back <= leg->slow.last;
-    if (n > leg->up.last && !part.falls) {
+    part->falls = back <= leg->slow.last;
+    if (n > leg->up.last && !part->falls) {
         const real_t time = real_div(leg->cruise, leg->peak);
-        part.stretch.m = (ssv_moments_t){time, leg->cruise, real_mul(leg->cruise, leg->peak)};
-        part.impulse = real_mul(time, ssv_holding_thrust(&leg->thrusts, leg->peak));
-        return part;
+        leg->hold.v_low = leg->hold.v_high = leg->peak;
+        leg->hold.m = (ssv_moments_t){time, leg->cruise, real_mul(leg->cruise, leg->peak)};
+        part->law[0] = part->law[1] = part->law[2] = REAL(0);
+        part->stretch = &leg->hold;
+        part->impulse = real_mul(time, ssv_holding_thrust(&leg->thrusts, leg->peak));
+        return;
     }
-    part.stretch = part.falls ? *ssv_ramp_up_to_cut(&leg->slow, back) : *ssv_ramp_up_to_cut(&leg->up, n);
-    ssv_ramp_law(&leg->steering.laws, part.stretch.law, part.law);
-    part.impulse = impulse(leg, part.law, &part.stretch);
-    return part;
+    part->stretch = part->falls ? ssv_ramp_up_to_cut(&leg->slow, back) : ssv_ramp_up_to_cut(&leg->up, n);
+    ssv_ramp_law(&leg->steering.laws, part->stretch->law, part->law);
+    part->impulse = impulse(leg, part->law, part->stretch);
 }
 
 // Longest time in a leg's units, as a power of two, that SI units can hold.
@@ -353,8 +355,8 @@ static part_t part_at(const leg_t* leg, int n) {
 // Adds the part to the price, and as a piece to the profile unless that is NULL; it begins at `from` in the leg's units.
 static void append(const leg_t* leg, const part_t* part, real_t from, ssv_profile_price_t* price, ssv_profile_t* profile) {
     const ssv_units_t* unit = &leg->unit;
-    const real_t low = real_scale(part->stretch.v_low, unit->speed), high = real_scale(part->stretch.v_high, unit->speed);
-    const real_t duration_s = real_scale(part->stretch.m.time, unit->time);
+    const real_t low = real_scale(part->stretch->v_low, unit->speed), high = real_scale(part->stretch->v_high, unit->speed);
+    const real_t duration_s = real_scale(part->stretch->m.time, unit->time);
     if (profile != NULL) {
         ssv_piece_t* piece = &profile->piece[profile->num_pieces++];
         *piece = (ssv_piece_t){.t_s = price->duration_s,
@@ -374,10 +376,11 @@ static ssv_profile_price_t finish(leg_t* leg, ssv_outcome_t outcome, ssv_profile
     price.peak_speed = real_scale(leg->peak, leg->unit.speed);
     real_t from = REAL(0);
     for (int n = 0; n < num_parts(leg); n++) {
-        const part_t part = part_at(leg, n);
-        price.outcome = real_exponent(part.stretch.m.time) + leg->unit.time > LONGEST_EXPONENT ? SSV_TOO_LONG : SSV_FEASIBLE;
+        part_t part;
+        take_part(leg, n, &part);
+        price.outcome = real_exponent(part.stretch->m.time) + leg->unit.time > LONGEST_EXPONENT ? SSV_TOO_LONG : SSV_FEASIBLE;
         if (price.outcome == SSV_FEASIBLE) append(leg, &part, from, &price, profile);
-        from += part.stretch.m.distance;
+        from += part.stretch->m.distance;
         if (price.duration_s > SSV_DURATION_MAX_S) price.outcome = SSV_TOO_LONG;
         if (price.outcome != SSV_FEASIBLE) break;
     }
