@@ -69,6 +69,9 @@ typedef struct {
     ssv_ramp_table_t up, slow;
     real_t peak, cruise;
     ssv_stretch_t hold;
+    // What the ramp up to a peak costs, and its length.
+    real_t up_peak, up_length;
+    ssv_profile_price_t up_price;
 } leg_t;
 
 static void restart(ssv_ramp_table_t* ramp) { ramp->num = 0; }
@@ -97,6 +100,7 @@ static ssv_outcome_t begin(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule,
     if (rule->speed_max > REAL(0)) leg->top = real_min(leg->top, real_scale(rule->speed_max, -leg->unit.speed));
     leg->up = (ssv_ramp_table_t){.first = &leg->stretch[0], .step = 1};
     leg->slow = (ssv_ramp_table_t){.first = &leg->stretch[MAX_STRETCHES - 1], .step = -1};
+    leg->up_peak = REAL(0);
     return SSV_FEASIBLE;
 }
 
@@ -375,7 +379,13 @@ static ssv_profile_price_t finish(leg_t* leg, ssv_outcome_t outcome, ssv_profile
     if (outcome != SSV_FEASIBLE) return price;
     price.peak_speed = real_scale(leg->peak, leg->unit.speed);
     real_t from = REAL(0);
-    for (int n = 0; n < num_parts(leg); n++) {
+    int n = 0;
+    if (profile == NULL && leg->up_peak == leg->peak) { // as of the other of the paper's ramps
+        price = leg->up_price;
+        from = leg->up_length;
+        n = leg->up.last + 1;
+    }
+    for (; n < num_parts(leg); n++) {
         part_t part;
         take_part(leg, n, &part);
         price.outcome = real_exponent(part.stretch->m.time) + leg->unit.time > LONGEST_EXPONENT ? SSV_TOO_LONG : SSV_FEASIBLE;
@@ -383,6 +393,10 @@ static ssv_profile_price_t finish(leg_t* leg, ssv_outcome_t outcome, ssv_profile
         from += part.stretch->m.distance;
         if (price.duration_s > SSV_DURATION_MAX_S) price.outcome = SSV_TOO_LONG;
         if (price.outcome != SSV_FEASIBLE) break;
+        if (n != leg->up.last) continue;
+        leg->up_peak = leg->peak;
+        leg->up_length = from;
+        leg->up_price = price;
     }
     return price;
 }
