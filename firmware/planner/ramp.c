@@ -17,20 +17,22 @@
 
 // ---- Which law holds at which speed -------------------------------------------------------------------------------------
 
-// A law's number: thruster k at its limit forwards, idle, or at its limit backwards.
-enum { BACKWARDS = 0, IDLE = 1, FORWARDS = 2, NUM_SIDES = 3 };
+// A law's number: thruster k at its limit forwards, idle, or at its limit backwards. A power of two is quick to divide by.
+enum { BACKWARDS = 0, IDLE = 1, FORWARDS = 2, SIDES = 4 };
 
-static int number(int k, int side) { return NUM_SIDES * k + side; }
+static int number(int k, int side) { return SIDES * k + side; }
+static int thruster_of(int law) { return (int)((unsigned)law / SIDES); }
+static int side_of(int law) { return (int)((unsigned)law % SIDES); }
 
 static real_t law_c0(const ssv_laws_t* laws, int law) {
-    const real_t limit = laws->limit[law / NUM_SIDES];
-    return law % NUM_SIDES == IDLE ? REAL(0) : law % NUM_SIDES == FORWARDS ? limit : -limit;
+    const real_t limit = laws->limit[thruster_of(law)];
+    return side_of(law) == IDLE ? REAL(0) : side_of(law) == FORWARDS ? limit : -limit;
 }
 
 void ssv_ramp_law(const ssv_laws_t* laws, int law, real_t c[3]) {
     c[0] = law_c0(laws, law);
-    c[1] = laws->linear[law / NUM_SIDES];
-    c[2] = laws->quadratic[law / NUM_SIDES];
+    c[1] = laws->linear[thruster_of(law)];
+    c[2] = laws->quadratic[thruster_of(law)];
 }
 
 void ssv_steering_up_to(ssv_steering_t* s, real_t top) {
@@ -42,7 +44,7 @@ void ssv_steering_up_to(ssv_steering_t* s, real_t top) {
 
 // Law a less law b, as a quadratic. @return how much of it may be rounding.
 static real_t difference(const ssv_steering_t* s, int a, int b, real_t d[3]) {
-    const int i = a / NUM_SIDES, j = b / NUM_SIDES;
+    const int i = thruster_of(a), j = thruster_of(b);
     const real_t a0 = law_c0(&s->laws, a), b0 = law_c0(&s->laws, b);
     d[0] = a0 - b0;
     d[1] = s->laws.linear[i] - s->laws.linear[j];
@@ -206,19 +208,19 @@ static int thrifty_law(const ssv_steering_t* s, int side, walk_t* walk, real_t v
     const real_t at = real_min(v + real_max(real_mul(PROBE, s->top), real_mul(LOOK_AHEAD, v)), top);
     const int limit = limit_at(s, side, v);
     const bool beyond = walk->law >= 0 && (up ? compare(s, walk->law, limit, at) > 0 : compare(s, walk->law, limit, at) < 0);
-    if (walk->law < 0 || walk->law % NUM_SIDES != IDLE || beyond) *walk = (walk_t){limit, -1};
+    if (walk->law < 0 || side_of(walk->law) != IDLE || beyond) *walk = (walk_t){limit, -1};
     real_t line[2][3], to = top;
     for (int n = 0; n < 2 * SSV_NUM_THRUSTERS; n++) {
         to = next_crossing(s, side, true, walk->law, at, top);
         const real_t mid = real_mul(REAL(0.5), at + to);
         tangents(s, up, walk->law, mid, line);
         if (ssv_quadratic_at(line[INWARDS], at) < REAL(0) && step(s, side, INWARDS, mid, walk)) continue;
-        if (walk->law % NUM_SIDES != IDLE) break;
+        if (side_of(walk->law) != IDLE) break;
         if (ssv_quadratic_at(line[OUTWARDS], at) > REAL(0) && step(s, side, OUTWARDS, mid, walk)) continue;
         break;
     }
     const real_t inwards = ssv_quadratic_root_after(line[INWARDS], at, to);
-    const real_t outwards = walk->law % NUM_SIDES == IDLE ? ssv_quadratic_root_after(line[OUTWARDS], at, to) : to;
+    const real_t outwards = side_of(walk->law) == IDLE ? ssv_quadratic_root_after(line[OUTWARDS], at, to) : to;
     *next = real_min(inwards, outwards);
     *way = *next == to ? -1 : inwards < outwards ? INWARDS : OUTWARDS;
     return walk->law;
