@@ -24,9 +24,8 @@ static bool same_move(const ssv_move_t* a, const ssv_move_t* b) {
     return a->kind == b->kind && a->length == b->length && same(a->twist.v, b->twist.v) && same(a->twist.w, b->twist.w);
 }
 
-void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, pose_t X_IS, const ssv_flight_t* known,
+void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_flight_t* known,
                       ssv_flight_t* flight) {
-    flight->X_IS_end = X_IS;
     flight->price = (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
     for (int k = 0; k < flight->num_moves; k++) {
         const ssv_move_t* move = &flight->move[k];
@@ -39,7 +38,6 @@ void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assemb
             flight->move_price[k] = ssv_move_price(problem, move, &thrusts, &ramp);
         }
         add_price(&flight->price, &flight->move_price[k]);
-        flight->X_IS_end = ssv_move_pose(flight->X_IS_end, move->twist, move->length);
     }
 }
 

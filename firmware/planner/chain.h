@@ -11,12 +11,11 @@
 /// Turn, translate, turn.
 #define SSV_MAX_PHASE_MOVES 3
 
-/// One phase: its moves and what each costs, where the vehicle ends, and what all of it costs.
+/// One phase: its moves and what each costs, and what all of it costs.
 typedef struct {
     int num_moves;
     ssv_move_t move[SSV_MAX_PHASE_MOVES];
     ssv_price_t move_price[SSV_MAX_PHASE_MOVES];
-    pose_t X_IS_end;
     ssv_price_t price;
 } ssv_flight_t;
 
@@ -35,9 +34,9 @@ ssv_assembly_t ssv_vehicle_alone(const ssv_problem_t* problem);
 /// Vehicle and beam, mated with the beam where it lies and the vehicle at X_IS.
 ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, pose_t X_IS);
 
-/// Prices flight->move[0..num_moves) flown from X_IS and fills in the rest. Moves that a flight of the same assembly that was
-/// priced before has in the same place are not priced again; NULL if there is none.
-void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, pose_t X_IS, const ssv_flight_t* known,
+/// Prices flight->move[0..num_moves). Moves that a flight of the same assembly that was priced before has in the same place are not
+/// priced again; NULL if there is none.
+void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_flight_t* known,
                       ssv_flight_t* flight);
 
 /// About what moves cost together, by ssv_profile_estimate. @return false if the thrusters cannot do one of them; then *price is

@@ -271,7 +271,7 @@ SSV_OWN_FRAME static void find(ssv_task_t* carry, ssv_search_t* search, const bu
 static void fly(const ssv_problem_t* problem, const ssv_motion_t* motion, ssv_flight_t* flight) {
     flight->num_moves = SSV_MAX_PHASE_MOVES;
     for (int k = 0; k < SSV_MAX_PHASE_MOVES; k++) flight->move[k] = motion->move[k];
-    ssv_flight_price(problem, &motion->assembly, motion->X_from, NULL, flight);
+    ssv_flight_price(problem, &motion->assembly, NULL, flight);
 }
 
 // The exact price of what was found, and its chain in *best if that is cheaper.

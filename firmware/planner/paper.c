@@ -76,7 +76,6 @@ static bool costs_at_least(const ssv_problem_t* problem, const ssv_grasp_t* gras
 
 bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, const ssv_price_t* to_beat,
                       ssv_flight_t* to_beam, ssv_chain_t* best, int* num_priced) {
-    const pose_t X_start = problem->scenario.X_IS;
     const ssv_assembly_t alone = ssv_vehicle_alone(problem);
     real_t ring_angle_rad[SSV_NUM_RING_ANGLES];
     const int num_rings = ssv_grasp_ring_angles(&problem->scenario, ring_angle_rad);
@@ -89,16 +88,16 @@ bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m
         int num_axes = 1;
         for (int k = 0; k < num_axes; k++) {
             num_axes = lay_transit(problem, &grasp, k, &trial);
-            ssv_flight_price(problem, &alone, X_start, to_beam, &trial);
+            ssv_flight_price(problem, &alone, to_beam, &trial);
             if (k == 0 || ssv_price_beats(&trial.price, &to_beam->price)) *to_beam = trial;
             *num_priced += k > 0 ? 1 : 0;
         }
-        const pose_t X_mate = to_beam->X_IS_end;
+        const pose_t X_mate = end_of(to_beam, problem->scenario.X_IS);
         const ssv_assembly_t pair = ssv_vehicle_with_beam(problem, X_mate);
         num_axes = 1;
         for (int k = 0; k < num_axes; k++) {
             num_axes = lay_transfer(problem, &pair, contact, X_mate, k, &trial);
-            ssv_flight_price(problem, &pair, X_mate, NULL, &trial);
+            ssv_flight_price(problem, &pair, NULL, &trial);
             if (k == 0 || ssv_price_beats(&trial.price, &to_port.price)) to_port = trial;
             *num_priced += 1;
         }
