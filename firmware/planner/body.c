@@ -37,15 +37,25 @@ static ssv_wrench_t strip_drag(const ssv_beam_t* beam, vec3_t v_B, vec3_t w_B) {
     return (ssv_wrench_t){vec3_scale(beam->drag_strip_kg_m2, sum.force), vec3_scale(beam->drag_strip_kg_m2, sum.moment)};
 }
 
-// What one body asks for in its own frame Q, moving with v_Q, w_Q: momenta and drag.
+// a x (m a), m by axis: exactly zero where all of m is the same. Noise in its place would keep laws of thrusters apart.
+static vec3_t gyration(vec3_t m, vec3_t a) {
+    return vec3(real_mul(m.z - m.y, real_mul(a.y, a.z)), real_mul(m.x - m.z, real_mul(a.z, a.x)),
+                real_mul(m.y - m.x, real_mul(a.x, a.y)));
+}
+
+// What one body asks for in its own frame Q, moving with v_Q, w_Q: momenta, drag, and Kirchhoff's w x P = F and
+// w x H + v x P = M, with P and H per unit of speed.
 static ssv_demand_t demand_in_Q(const ssv_body_t* body, vec3_t v_Q, vec3_t w_Q) {
     const vec3_t mass = vec3(body->mass_kg + body->added_mass_kg.x, body->mass_kg + body->added_mass_kg.y,
                              body->mass_kg + body->added_mass_kg.z);
-    return (ssv_demand_t){
+    ssv_demand_t demand = {
         {vec3_mul(mass, v_Q), vec3_mul(body->inertia_kg_m2, w_Q)},
         {vec3_scale(body->drag_lin_kg_s, v_Q), vec3_scale(body->drag_lin_ang_Nm_s, w_Q)},
         {vec3_scale(real_mul(body->drag_quad_kg_m, vec3_norm(v_Q)), v_Q),
          vec3_scale(real_mul(body->drag_quad_ang_Nm_s2, vec3_norm(w_Q)), w_Q)}};
+    wrench_add(&demand.quadratic, vec3_cross(w_Q, demand.accel.force),
+               vec3_add(gyration(body->inertia_kg_m2, w_Q), gyration(mass, v_Q)));
+    return demand;
 }
 
 static void add_on_S(ssv_wrench_t* sum, pose_t X_SQ, ssv_wrench_t on_Q) {
@@ -71,9 +81,6 @@ void ssv_body_demand(const ssv_assembly_t* assembly, ssv_twist_t twist, ssv_dema
         }
         add_on_S(&demand->quadratic, assembly->X_SB, on_B.quadratic);
     }
-    // Kirchhoff: dP/dt + w x P = F and dH/dt + w x H + v x P = M, with P and H per unit of speed in accel.
-    const vec3_t P = demand->accel.force, H = demand->accel.moment;
-    wrench_add(&demand->quadratic, vec3_cross(twist.w, P), vec3_add(vec3_cross(twist.w, H), vec3_cross(twist.v, P)));
 }
 
 vec3_t ssv_body_centre(const ssv_assembly_t* assembly) {

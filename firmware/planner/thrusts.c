@@ -39,6 +39,7 @@ bool ssv_laws_of(const ssv_thrusts_t* t, ssv_laws_t* laws) {
     for (int i = 0; i < N; i++) {
         const real_t A = t->accel[i];
         if (real_abs(A) <= real_mul(WEAK, largest)) {
+            if (t->linear[i] == REAL(0) && t->quadratic[i] == REAL(0)) continue;
             laws->passive_linear[laws->num_passive] = t->linear[i];
             laws->passive_quadratic[laws->num_passive++] = t->quadratic[i];
             continue;
