@@ -1,9 +1,9 @@
 /// Plans the shipped scenarios, then tasks drawn from SEED, and prints a line of numbers for each, for test_scalars.py to
 /// compare between scalars. Usage: plan_numbers SEED METHOD FIRST STEP COUNT; METHOD is that of ssv_method_t, and every STEP-th
 /// task from FIRST up to COUNT is planned. A line has the task's number, the status, whether a result did not fit the scalar,
-/// and of a plan J, time, impulse, the weight of time, contact, attach height, ring angle, the beam's half length, the standoff,
-/// port position and axis, the final poses of vehicle and beam, how far the plan sampled a moment before the end of a leg is from
-/// that end, at most, and the length of each leg.
+/// and of a plan J, time, impulse, contact, attach height, ring angle, the beam's half length, the standoff, port position and
+/// axis, the final poses of vehicle and beam, how far the plan sampled a moment before the end of a leg is from that end, at
+/// most, and the length of each leg.
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -45,7 +45,6 @@ static void print_plan(const ssv_scenario_t* scenario, const ssv_plan_t* plan) {
     print_real(quote->cost);
     print_real(quote->time_s);
     print_real(quote->impulse_Ns);
-    print_real(scenario->weight_time_per_s);
     printf(" %d", quote->choice.contact);
     print_real(quote->choice.attach_height_m);
     print_real(quote->choice.ring_angle_rad);

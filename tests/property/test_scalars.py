@@ -20,9 +20,6 @@ PLACE_M, ANGLE_RAD = 1e-4, math.radians(0.01)
 # Two plans go the same way if they mate at the same height and each leg is as long, to within this [m and rad, and a fraction].
 # Method optimal turns and rolls freely, and where J is flat another way costs the same.
 WAY = 1e-4
-# Where a second costs no more than this [1/s], J hardly knows how long a leg takes, and in so many plans it takes another time.
-NEXT_TO_FREE = 0.011
-ANOTHER_TIME = {"float": 0.01, "fixed": 0.001}
 SAME_WAY = {"float": 0.5, "fixed": 0.95} # of the plans of method optimal, at least
 
 
@@ -58,11 +55,11 @@ class Plan:
         if self.status != "ok":
             return
         numbers = list(map(float, numbers))
-        self.cost, self.time_s, self.impulse_Ns, self.weight_time, self.contact, self.height_m, self.ring_rad = numbers[:7]
-        half_length_m, standoff_m, port, axis = numbers[7], numbers[8], numbers[9:12], numbers[12:15]
-        self.vehicle = numbers[15:18], numbers[18:22]
-        self.beam = numbers[22:25], numbers[25:29]
-        self.off_legs_m, self.lengths = numbers[29], numbers[30:]
+        self.cost, self.time_s, self.impulse_Ns, self.contact, self.height_m, self.ring_rad, half_length_m = numbers[:7]
+        standoff_m, port, axis = numbers[7], numbers[8:11], numbers[11:14]
+        self.vehicle = numbers[14:17], numbers[17:21]
+        self.beam = numbers[21:24], numbers[24:28]
+        self.off_legs_m, self.lengths = numbers[28], numbers[29:]
         # Where the beam must be, and the vehicle on it: beam z along the port's axis, vehicle x towards the beam.
         outward = turned(self.beam[1], [0, 0, -1 if self.contact == 1 else 1])
         side = turned(self.beam[1], [math.cos(self.ring_rad), math.sin(self.ring_rad), 0])
@@ -134,9 +131,7 @@ class Scalars(unittest.TestCase):
         self.assert_none("price", [(p, d) for p, d in pairs if p.cost_error(d) > COST[scalar]])
         self.assert_none("end", [(p, d) for p, d in pairs if p.off_place_m > PLACE_M or p.off_angle_rad > ANGLE_RAD])
         self.assert_none("samples", [(p, d) for p, d in pairs if p.off_legs_m > PLACE_M])
-        late = [(p, d) for p, d in alike if p.time_error(d) > 1]
-        self.assert_none("duration", [(p, d) for p, d in late if method == "paper" or p.weight_time > NEXT_TO_FREE])
-        self.assertLessEqual(len(late), ANOTHER_TIME[scalar] * len(found))
+        self.assert_none("duration", [(p, d) for p, d in alike if p.time_error(d) > 1])
         return alike
 
     def test_the_paper_s_method_plans_the_same(self):
