@@ -201,6 +201,13 @@ static bool step(const ssv_steering_t* s, int side, int way, real_t v, walk_t* w
     return true;
 }
 
+// Where in (at, to) a law's line goes over to the side on which that law holds no longer, else to. A line that is there from the
+// start, because there is no law to step to, comes back first.
+static real_t leaves(const real_t line[3], int way, real_t at, real_t to) {
+    const real_t here = ssv_quadratic_at(line, at), root = ssv_quadratic_root_after(line, at, to);
+    return (way == INWARDS ? here < REAL(0) : here > REAL(0)) ? ssv_quadratic_root_after(line, root, to) : root;
+}
+
 // From the law that held below v, or the limit (-1), to that which holds above; *next is the speed up to which it does, and *way
 // where the walk goes on from there (-1: a crossing).
 static int thrifty_law(const ssv_steering_t* s, int side, walk_t* walk, real_t v, real_t top, real_t* next, int* way) {
@@ -219,8 +226,8 @@ static int thrifty_law(const ssv_steering_t* s, int side, walk_t* walk, real_t v
         if (ssv_quadratic_at(line[OUTWARDS], at) > REAL(0) && step(s, side, OUTWARDS, mid, walk)) continue;
         break;
     }
-    const real_t inwards = ssv_quadratic_root_after(line[INWARDS], at, to);
-    const real_t outwards = side_of(walk->law) == IDLE ? ssv_quadratic_root_after(line[OUTWARDS], at, to) : to;
+    const real_t inwards = leaves(line[INWARDS], INWARDS, at, to);
+    const real_t outwards = side_of(walk->law) == IDLE ? leaves(line[OUTWARDS], OUTWARDS, at, to) : to;
     *next = real_min(inwards, outwards);
     *way = *next == to ? -1 : inwards < outwards ? INWARDS : OUTWARDS;
     return walk->law;
