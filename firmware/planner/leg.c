@@ -10,7 +10,7 @@
 // Below this angle three terms of the sine and cosine are as good as all.
 #define SMALL_RAD REAL(1e-3)
 // A thrust coefficient smaller than this fraction of its neighbours is rounding of the allocation.
-#define COEFFICIENT_MIN real_max(REAL(9.3132257461547852e-10), 16 * REAL_NOISE)
+#define COEFFICIENT_MIN (REAL_NOISE < REAL(1e-7) ? REAL(9.3132257461547852e-10) : 16 * REAL_NOISE)
 
 real_t ssv_leg_weight_time(const ssv_scenario_t* scenario) {
     return real_max(scenario->weight_time_per_s, real_mul(SSV_SECOND_COSTS_N, scenario->weight_impulse_per_Ns));
