@@ -167,11 +167,11 @@ static void tangents(const ssv_steering_t* s, bool up, int law, real_t mid, real
     }
 }
 
-// The next law that way at a speed: a kink short of the limit, or the limit. @return -1 if there is none.
-static int neighbour(const ssv_steering_t* s, int side, int law, int way, real_t v) {
+// The next law that way at a speed: a kink short of the limit, or the limit that holds from `at` on. @return -1 if there is none.
+static int neighbour(const ssv_steering_t* s, int side, int law, int way, real_t at, real_t v) {
     const ssv_laws_t* laws = &s->laws;
     const real_t sign = side == FORWARDS ? REAL(1) : REAL(-1);
-    const int limit = limit_at(s, side, v);
+    const int limit = limit_at(s, side, at);
     real_t c[3];
     ssv_ramp_law(laws, law, c);
     const real_t here = real_mul(sign, ssv_quadratic_at(c, v)), apart = real_mul(TOGETHER, here);
@@ -194,8 +194,8 @@ typedef struct {
     int law, left;
 } walk_t;
 
-static bool step(const ssv_steering_t* s, int side, int way, real_t v, walk_t* walk) {
-    const int next = neighbour(s, side, walk->law, way, v);
+static bool step(const ssv_steering_t* s, int side, int way, real_t at, real_t v, walk_t* walk) {
+    const int next = neighbour(s, side, walk->law, way, at, v);
     if (next < 0 || next == walk->left) return false;
     *walk = (walk_t){next, walk->law};
     return true;
@@ -221,9 +221,9 @@ static int thrifty_law(const ssv_steering_t* s, int side, walk_t* walk, real_t v
         to = next_crossing(s, side, true, walk->law, at, top);
         const real_t mid = real_mul(REAL(0.5), at + to);
         tangents(s, up, walk->law, mid, line);
-        if (ssv_quadratic_at(line[INWARDS], at) < REAL(0) && step(s, side, INWARDS, mid, walk)) continue;
+        if (ssv_quadratic_at(line[INWARDS], at) < REAL(0) && step(s, side, INWARDS, at, mid, walk)) continue;
         if (side_of(walk->law) != IDLE) break;
-        if (ssv_quadratic_at(line[OUTWARDS], at) > REAL(0) && step(s, side, OUTWARDS, mid, walk)) continue;
+        if (ssv_quadratic_at(line[OUTWARDS], at) > REAL(0) && step(s, side, OUTWARDS, at, mid, walk)) continue;
         break;
     }
     const real_t inwards = leaves(line[INWARDS], INWARDS, at, to);
@@ -259,7 +259,7 @@ bool ssv_ramp_extend(const ssv_steering_t* s, ssv_policy_t policy, real_t top, i
         }
         v = next;
         walk.left = -1;
-        if (way >= 0) (void)step(s, side, way, v, &walk);
+        if (way >= 0) (void)step(s, side, way, v, v, &walk);
     }
     return v >= top;
 }
