@@ -213,7 +213,6 @@ static bool thrifty_ramps(leg_t* leg, real_t peak) {
     real_t a[2];
     ssv_steering_up_to(s, peak);
     leg->peak = peak;
-    s->lambda = real_div(rate, peak);
     for (int k = 0; k < s->laws.num; k++) {
         const real_t cost = real_mul(s->weight_impulse, real_mul(s->laws.weight[k], s->size[k]));
         s->coasts[k] = cost > real_mul(NEXT_TO_NOTHING, rate);
@@ -231,19 +230,19 @@ static bool thrifty_ramps(leg_t* leg, real_t peak) {
 }
 
 // How far to cruise at this peak before a higher one is worth its ramps. Where some thruster feels no drag it idles in the
-// cruise, and dJ / d peak = 2 W2 sum |accel| of those + cruise time * d L(v, 0) / dv - cruise time * lambda.
+// cruise, and dJ / d peak = 2 W2 sum |accel| of those + cruise time * d L(v, 0) / dv - cruise time * lambda. In the last two all
+// but the price of time and the bend of the drag cancels.
 static real_t worth_holding(const leg_t* leg, real_t peak) {
     const ssv_steering_t* s = &leg->steering;
     const ssv_thrusts_t* t = &leg->thrusts;
     const real_t most = real_mul(HOLD_FOR_EVER, leg->distance);
-    real_t kink = REAL(0), slope = REAL(0);
+    real_t kink = REAL(0), bend = REAL(0);
     for (int k = 0; k < s->laws.num; k++) kink += s->coasts[k] ? REAL(0) : s->laws.weight[k];
     if (kink == REAL(0)) return REAL(0);
     for (int i = 0; i < N; i++) {
-        const real_t grows = t->linear[i] + real_mul(REAL(2), real_mul(peak, t->quadratic[i]));
-        slope += t->linear[i] + real_mul(peak, t->quadratic[i]) > REAL(0) ? grows : -grows;
+        bend += t->linear[i] + real_mul(peak, t->quadratic[i]) > REAL(0) ? t->quadratic[i] : -t->quadratic[i];
     }
-    const real_t gain = s->lambda - real_mul(s->weight_impulse, slope);
+    const real_t gain = real_div(s->weight_time, peak) - real_mul(s->weight_impulse, real_mul(peak, bend));
     const real_t cost = real_mul(peak, real_mul(REAL(2), real_mul(s->weight_impulse, kink)));
     return cost >= real_mul(gain, most) ? most : real_div(cost, gain);
 }

@@ -135,6 +135,16 @@ static real_t next_crossing(const ssv_steering_t* s, int side, bool kinks, int l
 // pick among kinks that are nearly equal.
 enum { INWARDS = 0, OUTWARDS = 1 };
 
+// Adds what a thruster costs, or holds if it is passive, along a line and not while the top speed is held: lambda takes that off.
+// The difference is taken thruster by thruster, because as a whole all but the price of time cancels.
+static void add_cost(const ssv_steering_t* s, real_t weight, real_t linear, real_t quadratic, bool positive, real_t line[3]) {
+    const real_t cost = real_mul(s->weight_impulse, weight), bend = real_mul(s->top, quadratic);
+    const bool held = linear + bend < REAL(0);
+    const real_t slope = positive == held ? bend : bend + real_mul(REAL(2), linear);
+    line[1] += real_mul(held ? cost : -cost, slope);
+    line[2] -= real_mul(positive ? cost : -cost, quadratic);
+}
+
 // Where these lines meet a = 0, over the speed; while no thruster's sign changes, at `mid` and around, a quadratic in it.
 static void tangents(const ssv_steering_t* s, bool up, int law, real_t mid, real_t line[2][3]) {
     const ssv_laws_t* laws = &s->laws;
@@ -143,7 +153,7 @@ static void tangents(const ssv_steering_t* s, bool up, int law, real_t mid, real
     const real_t a = ssv_quadratic_at(c, mid);
     for (int way = INWARDS; way <= OUTWARDS; way++) {
         line[way][0] = s->weight_time;
-        line[way][1] = -s->lambda;
+        line[way][1] = -real_div(s->weight_time, s->top);
         line[way][2] = REAL(0);
     }
     for (int k = 0; k < laws->num; k++) {
@@ -152,18 +162,13 @@ static void tangents(const ssv_steering_t* s, bool up, int law, real_t mid, real
         // A thruster that idles along the law has one sign for less acceleration, the other for more.
         for (int way = INWARDS; way <= OUTWARDS; way++) {
             const bool positive = idles ? (way == OUTWARDS) == up : push > REAL(0);
-            const real_t weight = real_mul(s->weight_impulse, positive ? laws->weight[k] : -laws->weight[k]);
-            line[way][1] -= real_mul(weight, laws->linear[k]);
-            line[way][2] -= real_mul(weight, laws->quadratic[k]);
+            add_cost(s, laws->weight[k], laws->linear[k], laws->quadratic[k], positive, line[way]);
         }
     }
     for (int k = 0; k < laws->num_passive; k++) {
-        const bool positive = laws->passive_linear[k] + real_mul(laws->passive_quadratic[k], mid) > REAL(0);
-        const real_t weight = positive ? s->weight_impulse : -s->weight_impulse;
-        for (int way = INWARDS; way <= OUTWARDS; way++) {
-            line[way][1] += real_mul(weight, laws->passive_linear[k]);
-            line[way][2] += real_mul(weight, laws->passive_quadratic[k]);
-        }
+        const real_t linear = -laws->passive_linear[k], quadratic = -laws->passive_quadratic[k];
+        const bool positive = linear + real_mul(quadratic, mid) < REAL(0);
+        for (int way = INWARDS; way <= OUTWARDS; way++) add_cost(s, REAL(1), linear, quadratic, positive, line[way]);
     }
 }
 

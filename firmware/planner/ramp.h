@@ -13,7 +13,7 @@ typedef struct {
     ssv_laws_t laws;
     real_t top;                        ///< speeds go up to here
     real_t size[SSV_NUM_THRUSTERS];    ///< of the idle law, up to the top: what rounding is judged against
-    real_t weight_time, weight_impulse, lambda; ///< of the thrifty rules; lambda is the marginal cost of distance
+    real_t weight_time, weight_impulse; ///< of the thrifty rules, whose marginal cost of distance is that of holding the top
     bool coasts[SSV_NUM_THRUSTERS];    ///< thrifty rules: whether a coast on this thruster differs from a cruise, up to the top
 } ssv_steering_t;
 
