@@ -9,8 +9,9 @@
 #define MATTERS_M REAL(0.01)
 // Below this angle three terms of the sine and cosine are as good as all.
 #define SMALL_RAD REAL(1e-3)
-// A thrust coefficient smaller than this fraction of its neighbours is rounding of the allocation.
-#define COEFFICIENT_MIN (REAL_NOISE < REAL(1e-7) ? REAL(9.3132257461547852e-10) : 16 * REAL_NOISE)
+// A thrust coefficient smaller than this fraction of its neighbours is rounding of the allocation. No more than that may go: where
+// a second costs next to nothing, a millionth of the drag decides by how many seconds a coast is worth while.
+#define COEFFICIENT_MIN real_max(REAL(9.3132257461547852e-10), 16 * REAL_EPSILON)
 
 real_t ssv_leg_weight_time(const ssv_scenario_t* scenario) {
     return real_max(scenario->weight_time_per_s, real_mul(SSV_SECOND_COSTS_N, scenario->weight_impulse_per_Ns));

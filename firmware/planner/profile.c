@@ -32,7 +32,7 @@
 #define HOLD_FOR_EVER REAL(100)
 // A thruster whose drag costs less than this fraction of the cruise idles there for all that matters: a coast on it is no
 // different from the cruise.
-#define NEXT_TO_NOTHING REAL(1e-6)
+#define NEXT_TO_NOTHING REAL(1e-7)
 // A thrust below this fraction of the limit is none.
 #define NO_THRUST real_max(REAL(1e-11), 16 * REAL_NOISE)
 

@@ -3,7 +3,7 @@
 /// task from FIRST up to COUNT is planned. A line has the task's number, the status, whether a result did not fit the scalar,
 /// and of a plan J, time, impulse, contact, attach height, ring angle, the beam's half length, the standoff, port position and
 /// axis, the final poses of vehicle and beam, how far the plan sampled a moment before the end of a leg is from that end, at
-/// most, and the length of each leg.
+/// most, and the vehicle's pose at the end of each leg.
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -55,7 +55,7 @@ static void print_plan(const ssv_scenario_t* scenario, const ssv_plan_t* plan) {
     print_pose(plan->X_IS_final);
     print_pose(plan->X_IB_final);
     printf(" %.17g", off_the_legs_m(plan));
-    for (int k = 0; k < plan->num_legs; k++) print_real(plan->leg[k].length);
+    for (int k = 0; k < plan->num_legs; k++) print_pose(plan->leg[k].X_IS_end);
 }
 
 int main(int argc, char** argv) {

@@ -17,10 +17,9 @@ STATUS = {0: "ok", 1: "infeasible", 2: "numeric overflow"}
 COST = {"float": 1e-3, "fixed": 1e-4}  # |dJ| / J
 TIME_S, TIME = 1e-3, 5e-4  # whichever is more
 PLACE_M, ANGLE_RAD = 1e-4, math.radians(0.01)
-# Two plans go the same way if they mate at the same height and each leg is as long, to within this [m and rad, and a fraction].
-# Method optimal turns and rolls freely, and where J is flat another way costs the same.
-WAY = 1e-4
-SAME_WAY = {"float": 0.5, "fixed": 0.95} # of the plans of method optimal, at least
+# Two plans go the same way if the vehicle is at the same place and attitude, as closely as the end must be, wherever it stops.
+# Method optimal turns and rolls freely: where prices tie within their bounds it may stop elsewhere, and then takes another time.
+SAME_WAY = {"float": 0.9, "fixed": 0.999}  # of the plans of method optimal, at least
 
 
 def turned(q, v):
@@ -59,7 +58,7 @@ class Plan:
         standoff_m, port, axis = numbers[7], numbers[8:11], numbers[11:14]
         self.vehicle = numbers[14:17], numbers[17:21]
         self.beam = numbers[21:24], numbers[24:28]
-        self.off_legs_m, self.lengths = numbers[28], numbers[29:]
+        self.off_legs_m, self.stops = numbers[28], [(numbers[k:k + 3], numbers[k + 3:k + 7]) for k in range(29, len(numbers), 7)]
         # Where the beam must be, and the vehicle on it: beam z along the port's axis, vehicle x towards the beam.
         outward = turned(self.beam[1], [0, 0, -1 if self.contact == 1 else 1])
         side = turned(self.beam[1], [math.cos(self.ring_rad), math.sin(self.ring_rad), 0])
@@ -70,9 +69,9 @@ class Plan:
 
     def goes_like(self, other):
         """Whether both are the same motion, but for rounding."""
-        return (self.contact == other.contact and len(self.lengths) == len(other.lengths)
-                and abs(self.height_m - other.height_m) < WAY
-                and all(abs(a - b) <= WAY * (1 + a) for a, b in zip(self.lengths, other.lengths)))
+        return (self.contact == other.contact and len(self.stops) == len(other.stops)
+                and all(math.dist(p, p_other) <= PLACE_M and angle_between(q, q_other) <= ANGLE_RAD
+                        for (p, q), (p_other, q_other) in zip(self.stops, other.stops)))
 
     def cost_error(self, double):
         return abs(self.cost - double.cost) / double.cost
@@ -91,7 +90,7 @@ class Plan:
         if self.status != "ok":
             return self.status
         return (f"J {self.cost:.9g}, {self.time_s:.6f} s, {self.impulse_Ns:.6f} N s, contact {self.contact:.0f}, "
-                f"height {self.height_m:+.6f} m, ring {self.ring_rad:+.6f} rad, legs {[round(c, 6) for c in self.lengths]}")
+                f"height {self.height_m:+.6f} m, ring {self.ring_rad:+.6f} rad, stops {[[round(c, 6) for c in p] for p, _ in self.stops]}")
 
 
 def plans(scalar, method, first=0, count=COUNT):

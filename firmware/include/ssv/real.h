@@ -13,8 +13,9 @@
 ///   real_scale(a, n), real_exponent(a)                     a 2^n; and the n for which 2^(n-1) <= |a| < 2^n, to scale numbers
 ///                                                          by before they lose digits or overflow. The IEEE scalars' own
 ///                                                          exponents do that: there it is always 0
-///   REAL_MAX, REAL_NOISE                                   largest result; rounding to reckon with in numbers of about 1
-///                                                          that took some tens of operations
+///   REAL_MAX                                               largest result
+///   REAL_EPSILON, REAL_NOISE                               rounding to reckon with in numbers of about 1: of one operation,
+///                                                          and after some tens that numbers far from 1 took part in
 ///   real_from_int                                          exact for |a| < 2^24
 ///   real_from_double real_to_double real_is_finite         the boundary: what comes from or goes to the outside. Rounds to
 ///                                                          the nearest; NaN and infinities pass, and are not finite

@@ -13,6 +13,7 @@ typedef double real_t;
 #define REAL_NAME "double"
 #define REAL(x) ((real_t)(x))
 #define REAL_MAX DBL_MAX
+#define REAL_EPSILON DBL_EPSILON
 #define REAL_NOISE DBL_EPSILON
 
 inline real_t real_mul(real_t a, real_t b) { return a * b; }

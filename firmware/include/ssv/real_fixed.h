@@ -27,6 +27,7 @@ typedef int64_t real_t;
     ((real_t)((x) * 4294967296.0 + ((x) * 1.0 < 0 ? -0.5 : 0.5)) / ((x) * 1.0 < 0x1p26 && (x) * 1.0 > -0x1p26))
 /// Largest result of a call.
 #define REAL_MAX ((real_t)1 << 58)
+#define REAL_EPSILON ((real_t)1)
 #define REAL_NOISE ((real_t)1 << 8)
 
 real_t real_mul(real_t a, real_t b);

@@ -13,6 +13,7 @@ typedef float real_t;
 #define REAL_NAME "float"
 #define REAL(x) ((real_t)(x))
 #define REAL_MAX FLT_MAX
+#define REAL_EPSILON FLT_EPSILON
 #define REAL_NOISE FLT_EPSILON
 
 inline real_t real_mul(real_t a, real_t b) { return a * b; }
