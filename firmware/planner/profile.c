@@ -30,9 +30,10 @@
 #define BEYOND REAL(1.003)
 // Longer than any leg, as a multiple of it.
 #define HOLD_FOR_EVER REAL(100)
-// A thruster whose drag costs less than this fraction of the cruise idles there for all that matters: a coast on it is no
-// different from the cruise.
+// A coast counts as the cruise if the drag of the thruster that idles costs less than the first of these fractions of it, or if
+// that drag takes less than the second off the speed along the whole leg: between such speeds a ramp cannot be walked.
 #define NEXT_TO_NOTHING REAL(1e-7)
+#define KEEPS_SPEED REAL(1e-4)
 // A thrust below this fraction of the limit is none.
 #define NO_THRUST real_max(REAL(1e-11), 16 * REAL_NOISE)
 
@@ -204,19 +205,26 @@ static bool always_resists(const ssv_laws_t* laws) {
     return true;
 }
 
-// Both ramps from rest to the peak, with the marginal cost of distance that makes this peak the right one; the distance left
-// between them is cruised. A ramp of full thrust ahead, which no marginal cost changes, is kept once it is there.
-static bool thrifty_ramps(leg_t* leg, real_t peak) {
+// Which coasts differ from the cruise. That is decided once for a leg, at about its peak: the conditions with and without a coast
+// differ a little, and a peak between them would meet neither.
+static void decide_coasts(leg_t* leg, real_t peak) {
     ssv_steering_t* s = &leg->steering;
-    const bool resists = always_resists(&s->laws);
     const real_t rate = s->weight_time + real_mul(s->weight_impulse, ssv_holding_thrust(&leg->thrusts, peak));
-    real_t a[2];
     ssv_steering_up_to(s, peak);
-    leg->peak = peak;
     for (int k = 0; k < s->laws.num; k++) {
         const real_t cost = real_mul(s->weight_impulse, real_mul(s->laws.weight[k], s->size[k]));
-        s->coasts[k] = cost > real_mul(NEXT_TO_NOTHING, rate);
+        const bool slows = real_mul(s->size[k], leg->distance) > real_mul(KEEPS_SPEED, real_sq(peak));
+        s->coasts[k] = slows && cost > real_mul(NEXT_TO_NOTHING, rate);
     }
+}
+
+// Both ramps from rest to the peak, with the marginal cost of distance that makes this peak the right one; the distance left
+// between them is cruised. A ramp of full thrust ahead, which no marginal cost changes, is kept once it is there.
+static bool thrifty_ramps(leg_t* leg, real_t peak, real_t a[2]) {
+    ssv_steering_t* s = &leg->steering;
+    const bool resists = always_resists(&s->laws);
+    ssv_steering_up_to(s, peak);
+    leg->peak = peak;
     restart(&leg->slow);
     if (ssv_ramp_top(&leg->up) < peak || !resists) {
         restart(&leg->up);
@@ -229,16 +237,26 @@ static bool thrifty_ramps(leg_t* leg, real_t peak) {
     return true;
 }
 
-// How far to cruise at this peak before a higher one is worth its ramps. Where some thruster feels no drag it idles in the
-// cruise, and dJ / d peak = 2 W2 sum |accel| of those + cruise time * d L(v, 0) / dv - cruise time * lambda. In the last two all
-// but the price of time and the bend of the drag cancels.
-static real_t worth_holding(const leg_t* leg, real_t peak) {
+// How far to cruise at this peak before a higher one is worth its ramps, which end there at accelerations a[up] and -a[slow].
+// With C = L - L(v, 0), dJ / d peak = C / a of both ramps + cruise time * d L(v, 0) / dv - cruise time * lambda. In the first a
+// thruster cancels unless it idles between the two accelerations, closer to the cruise than the ramp that ends on its side; a
+// ramp that ends at a limit passes only coasts that count as the cruise. In the last two all but the price of time and the bend
+// of the drag cancels.
+static real_t worth_holding(const leg_t* leg, real_t peak, const real_t a[2]) {
     const ssv_steering_t* s = &leg->steering;
     const ssv_thrusts_t* t = &leg->thrusts;
     const real_t most = real_mul(HOLD_FOR_EVER, leg->distance);
     real_t kink = REAL(0), bend = REAL(0);
-    for (int k = 0; k < s->laws.num; k++) kink += s->coasts[k] ? REAL(0) : s->laws.weight[k];
-    if (kink == REAL(0)) return REAL(0);
+    for (int k = 0; k < s->laws.num; k++) {
+        const real_t idle = real_mul(peak, s->laws.linear[k] + real_mul(peak, s->laws.quadratic[k])), size = real_abs(idle);
+        const real_t to = idle > REAL(0) ? a[0] : a[1];
+        if (!ssv_ramp_idles(idle > REAL(0) ? &leg->up : &leg->slow)) {
+            kink += s->coasts[k] ? REAL(0) : s->laws.weight[k];
+        } else if (size < to) {
+            kink += real_mul(s->laws.weight[k], REAL(1) - real_div(size, to));
+        }
+    }
+    if (!(kink > REAL(0))) return REAL(0);
     for (int i = 0; i < N; i++) {
         bend += t->linear[i] + real_mul(peak, t->quadratic[i]) > REAL(0) ? t->quadratic[i] : -t->quadratic[i];
     }
@@ -255,11 +273,13 @@ static ssv_outcome_t solve_optimal(leg_t* leg) {
     if (cruise < leg->top) cruise -= real_mul(TERMINAL_MARGIN, cruise); // a coast to where a drag turns never gets there
     real_t low = REAL(0), low_miss = -REAL(1), high = cruise, high_miss = REAL(0);
     bool was_above = true, bracketed = false;
+    real_t a[2];
     (void)ssv_profile_estimate(&leg->thrusts, s->weight_time, s->weight_impulse, leg->distance, SSV_ESTIMATE_CLOSELY, &price, &peak);
     if (peak > real_mul(NEARLY, cruise)) peak = cruise;
+    decide_coasts(leg, peak);
     for (int n = 0; n < MAX_FALSI; n++) {
-        if (!thrifty_ramps(leg, peak)) return SSV_TOO_MANY_PIECES;
-        const real_t hold = worth_holding(leg, peak);
+        if (!thrifty_ramps(leg, peak, a)) return SSV_TOO_MANY_PIECES;
+        const real_t hold = worth_holding(leg, peak, a);
         const real_t covered = real_sqrt(real_div(leg->distance - leg->cruise + hold, leg->distance));
         const real_t miss = covered - REAL(1) + SHORT_BY;
         const bool meets = peak == cruise ? leg->cruise >= hold : real_abs(miss) <= SHORT_BY;
@@ -278,7 +298,7 @@ static ssv_outcome_t solve_optimal(leg_t* leg) {
             peak = low + real_mul(high - low, share);
         }
     }
-    return thrifty_ramps(leg, low) ? SSV_FEASIBLE : SSV_TOO_MANY_PIECES;
+    return thrifty_ramps(leg, low, a) ? SSV_FEASIBLE : SSV_TOO_MANY_PIECES;
 }
 
 static ssv_outcome_t solve(leg_t* leg, ssv_ramp_t ramp) {

@@ -317,3 +317,5 @@ real_t ssv_ramp_reach(const ssv_laws_t* laws, ssv_ramp_table_t* ramp, real_t v, 
     }
     return reach + ramp->cut.m.distance;
 }
+
+bool ssv_ramp_idles(const ssv_ramp_table_t* ramp) { return side_of(ramp->cut.law) == IDLE; }

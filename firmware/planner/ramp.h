@@ -63,6 +63,9 @@ real_t ssv_ramp_acceleration(const ssv_laws_t* laws, const ssv_ramp_table_t* ram
 /// Distance from rest to v, and |dv/dt| there; keeps the cut there.
 real_t ssv_ramp_reach(const ssv_laws_t* laws, ssv_ramp_table_t* ramp, real_t v, real_t* acceleration);
 
+/// Whether some thruster idles on the ramp where ssv_ramp_reach last looked.
+bool ssv_ramp_idles(const ssv_ramp_table_t* ramp);
+
 /// Stretch k <= ramp->last of the ramp as far as ssv_ramp_reach last looked.
 static inline const ssv_stretch_t* ssv_ramp_up_to_cut(const ssv_ramp_table_t* ramp, int k) {
     return k == ramp->last ? &ramp->cut : ssv_ramp_stretch(ramp, k);
