@@ -135,8 +135,8 @@ static real_t next_crossing(const ssv_steering_t* s, int side, bool kinks, int l
 // pick among kinks that are nearly equal.
 enum { INWARDS = 0, OUTWARDS = 1 };
 
-// Adds what a thruster costs, or holds if it is passive, along a line and not while the top speed is held: lambda takes that off.
-// The difference is taken thruster by thruster, because as a whole all but the price of time cancels.
+// Adds a thruster's part of a line: what it costs there less what it costs to hold the top speed, which lambda takes off. The
+// difference is taken thruster by thruster, because of the whole all but the price of time cancels.
 static void add_cost(const ssv_steering_t* s, real_t weight, real_t linear, real_t quadratic, bool positive, real_t line[3]) {
     const real_t cost = real_mul(s->weight_impulse, weight), bend = real_mul(s->top, quadratic);
     const bool held = linear + bend < REAL(0);

@@ -320,9 +320,10 @@ static leg_t random_leg(int n) {
     return leg;
 }
 
-// Flights of the mated pair all but along an axis of the vehicle. Of the first, two thrusters feel 4e-5 of the drag, and two that
-// hardly act along it would idle between them and the others; of the second, two idle a millionth apart, and the tightest limit
-// changes from one thruster to another where they do.
+// The first two are flights of the mated pair all but along an axis of the vehicle. Of one, two thrusters feel 4e-5 of the drag,
+// and two that hardly act along it would idle between them and the others; of the other, two idle a millionth apart, and the
+// tightest limit changes from one thruster to another where they do. The last two are random legs with little drag, on which a
+// coast takes a few millionths or ten thousandths off the speed.
 static const leg_t hard[] = {{.thrusts = {{43.781801187620779, -43.781798751267281, -28.626850263652162, -28.623578870766334,
                                            -1.5524003940711441e-05, 3.2496144036179893e-06},
                                           {206.84249985564153, -206.84249985564153, -0.007727675460889101, 0.007727675460889101,
@@ -341,7 +342,27 @@ static const leg_t hard[] = {{.thrusts = {{43.781801187620779, -43.7817987512672
                                           FORCE},
                               .w1 = 1,
                               .w2 = 0.1,
-                              .distance = 6.6751939}};
+                              .distance = 6.6751939},
+                             {.thrusts = {{7.041353516531438, -5.4786840662715681, 5.6472344741197134, 9.418735340523936,
+                                           1.9717866836890023, -4.7078600848543228},
+                                          {0},
+                                          {0.00010941599771569371, -1.1199572183372237, 1.2854708356201139, 4.2510163728796374e-05,
+                                           -7.0519709863106766e-05, 0.81325781372274542},
+                                          FORCE},
+                              .w1 = 0.096050145098732206,
+                              .w2 = 4.66308997066613,
+                              .cap = 0.81464315485896732,
+                              .distance = 0.28401134658139676},
+                             {.thrusts = {{-1.5840114060103687, 1.5840114060103687, -1.6905697530623003, 1.6905697530623003,
+                                           -1.2166115661301506, 1.2166115661301506},
+                                          {0},
+                                          {-0.061575586917902658, 0.061575586917902658, -0.016109833008219283, 0.016109833008219283,
+                                           -0.015486049271063002, 0.015486049271063002},
+                                          FORCE},
+                              .w1 = 1,
+                              .w2 = 1,
+                              .cap = 0.56705002386987347,
+                              .distance = 0.026108439036434193}};
 #define NUM_HARD ((int)(sizeof hard / sizeof *hard))
 #define NUM_LEGS (NUM_HARD + LEGS)
 
