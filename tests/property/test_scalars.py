@@ -18,8 +18,9 @@ COST = {"float": 1e-3, "fixed": 1e-4}  # |dJ| / J
 TIME_S, TIME = 1e-3, 5e-4  # whichever is more
 PLACE_M, ANGLE_RAD = 1e-4, math.radians(0.01)
 # Two plans go the same way if the vehicle is at the same place and attitude, as closely as the end must be, wherever it stops.
-# Method optimal turns and rolls freely: where prices tie within their bounds it may stop elsewhere, and then takes another time.
-SAME_WAY = {"float": 0.9, "fixed": 0.999}  # of the plans of method optimal, at least
+# Method optimal turns and rolls freely: where prices tie within their bounds it may stop elsewhere in float, and then may take
+# another time; how many do is printed.
+SAME_WAY = {"float": 0.9, "fixed": 1}  # of the plans of method optimal, at least
 
 
 def turned(q, v):
@@ -124,7 +125,8 @@ class Scalars(unittest.TestCase):
         print(f"{method}, {scalar}: {len(pairs)} plans, {len(alike)} go the same way; median / p99 / most of |dJ|/J "
               f"{figures(p.cost_error(d) for p, d in pairs)}, end off by {figures(p.off_place_m for p, _ in pairs)} m, "
               f"{figures(p.off_angle_rad for p, _ in pairs)} rad, samples {figures(p.off_legs_m for p, _ in pairs)} m, "
-              f"time {figures(p.time_error(d) for p, d in alike)} of what is allowed")
+              f"time {figures(p.time_error(d) for p, d in alike)} of what is allowed; "
+              f"{sum(p.time_error(d) > 1 for p, d in pairs if not p.goes_like(d))} of the others take another time")
         self.assert_none("silent overflow", [(p, d) for p, d in zip(found, double) if p.overflowed and p.status != "numeric overflow"])
         self.assert_none("other status", [(p, d) for p, d in zip(found, double) if p.status != d.status])
         self.assert_none("price", [(p, d) for p, d in pairs if p.cost_error(d) > COST[scalar]])
@@ -146,7 +148,7 @@ class Scalars(unittest.TestCase):
         for scalar in COST:
             with self.subTest(scalar):
                 alike = self.compare(scalar, "optimal", double, plans(scalar, "optimal"))
-                self.assertGreater(len(alike), SAME_WAY[scalar] * COUNT)
+                self.assertGreaterEqual(len(alike), SAME_WAY[scalar] * COUNT)
 
 
 if __name__ == "__main__":
