@@ -10,15 +10,18 @@
 // Neither where the speed stops rising nor that a short leg has no cruise is put in.
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "planner/profile.h"
+#include "sweep.h"
 #include "tasks.h"
 #include "unity.h"
 
 #define N SSV_NUM_THRUSTERS
-#define SEED 20261123
-#define LEGS 2000
+// SSV_SEED=N draws other legs.
+static int seed = 20261123;
+static int num_random;
 #define NODES 150
 #define FORCE 6.0
 
@@ -364,7 +367,7 @@ static const leg_t hard[] = {{.thrusts = {{43.781801187620779, -43.7817987512672
                               .cap = 0.56705002386987347,
                               .distance = 0.026108439036434193}};
 #define NUM_HARD ((int)(sizeof hard / sizeof *hard))
-#define NUM_LEGS (NUM_HARD + LEGS)
+#define NUM_LEGS (NUM_HARD + num_random)
 
 // The hard legs, then random ones.
 static leg_t leg_of(int n) { return n < NUM_HARD ? hard[n] : random_leg(n - NUM_HARD); }
@@ -374,7 +377,7 @@ static const char* name_of(int n, const leg_t* leg) {
     static char text[1024];
     const ssv_thrusts_t* t = &leg->thrusts;
     int used = snprintf(text, sizeof text, "seed %d, leg %d: weights %.17g, %.17g, cap %.17g, distance %.17g; thrusts",
-                        SEED, n, leg->w1, leg->w2, leg->cap, leg->distance);
+                        seed, n, leg->w1, leg->w2, leg->cap, leg->distance);
     for (int i = 0; i < N; i++) {
         used += snprintf(text + used, sizeof text - (size_t)used, " {%.17g, %.17g, %.17g}", t->accel[i], t->linear[i],
                          t->quadratic[i]);
@@ -406,7 +409,7 @@ static void test_the_two_oracles_agree(void) {
         {without_drag, 0.1, 1, 0.05, 2.5},  {cancelling, 1, 1, 0, 0.3},     {cancelling, 0.1, 1, 0, 3},
     };
     for (int n = 0; n < (int)(sizeof legs / sizeof *legs); n++) agree(-1 - n, &legs[n]);
-    task_seed(SEED);
+    task_seed((uint64_t)seed);
     for (int n = 0; n < 12; n++) {
         const leg_t leg = random_leg(n);
         agree(n, &leg);
@@ -415,7 +418,7 @@ static void test_the_two_oracles_agree(void) {
 
 static void test_legs_cost_what_the_oracle_says(void) {
     double worst = 0;
-    task_seed(SEED);
+    task_seed((uint64_t)seed);
     for (int n = 0; n < NUM_LEGS; n++) {
         const leg_t leg = leg_of(n);
         TEST_ASSERT_EQUAL_INT_MESSAGE(SSV_FEASIBLE, solve(&leg), name_of(n, &leg));
@@ -423,12 +426,12 @@ static void test_legs_cost_what_the_oracle_says(void) {
         worst = fmax(worst, fabs(price(&leg) / expected - 1));
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-4 * expected, expected, price(&leg), name_of(n, &leg));
     }
-    printf("seed %d: %d legs, largest difference in J %.1e\n", SEED, NUM_LEGS, worst);
+    printf("seed %d: %d legs, largest difference in J %.1e\n", seed, NUM_LEGS, worst);
 }
 
 // What the pieces say must be so: they join, cover the distance within every limit, and take what is claimed.
 static void test_legs_join_keep_their_limits_and_add_up(void) {
-    task_seed(SEED);
+    task_seed((uint64_t)seed);
     for (int n = 0; n < NUM_LEGS; n++) {
         const leg_t leg = leg_of(n);
         const ssv_thrusts_t* t = &leg.thrusts;
@@ -469,7 +472,7 @@ static void test_legs_join_keep_their_limits_and_add_up(void) {
 static void test_optimal_leg_never_costs_more_than_either_ramp_of_the_paper(void) {
     static ssv_profile_t ramped;
     int compared = 0;
-    task_seed(SEED);
+    task_seed((uint64_t)seed);
     for (int n = 0; n < NUM_LEGS; n++) {
         leg_t leg = leg_of(n);
         leg.cap = 0;
@@ -565,6 +568,8 @@ static void test_leg_for_which_time_costs_nothing_still_ends(void) {
 }
 
 int main(void) {
+    if (getenv("SSV_SEED") != NULL) seed = atoi(getenv("SSV_SEED"));
+    num_random = sweep_count(2000, 12000);
     UNITY_BEGIN();
     RUN_TEST(test_the_two_oracles_agree);
     RUN_TEST(test_legs_cost_what_the_oracle_says);

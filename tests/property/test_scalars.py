@@ -10,7 +10,8 @@ import sys
 import unittest
 
 SEED = int(os.environ.get("SSV_SEED", "20261203"))
-COUNT = 10000 if os.environ.get("SSV_LONG") else 400
+LONG = bool(os.environ.get("SSV_LONG"))
+COUNT = 10000 if LONG else 400
 METHODS = {"optimal": 0, "paper": 1}
 STATUS = {0: "ok", 1: "infeasible", 2: "numeric overflow"}
 
@@ -18,9 +19,10 @@ COST = {"float": 1e-3, "fixed": 1e-4}  # |dJ| / J
 TIME_S, TIME = 1e-3, 5e-4  # whichever is more
 PLACE_M, ANGLE_RAD = 1e-4, math.radians(0.01)
 # Two plans go the same way if the vehicle is at the same place and attitude, as closely as the end must be, wherever it stops.
-# Method optimal turns and rolls freely: where prices tie within their bounds it may stop elsewhere in float, and then may take
-# another time; how many do is printed.
+# Method optimal turns and rolls freely: where prices tie within their bounds it stops elsewhere in some plans in float, and some of
+# these take another time. They should not: with SSV_LONG=1 every plan is held to the duration, and float fails by these.
 SAME_WAY = {"float": 0.9, "fixed": 1}  # of the plans of method optimal, at least
+ANOTHER_TIME = {"float": 0.01, "fixed": 0}  # of all, at most
 
 
 def turned(q, v):
@@ -90,8 +92,9 @@ class Plan:
     def __str__(self):
         if self.status != "ok":
             return self.status
+        stops = [[round(c, 6) for c in p] for p, _ in self.stops]
         return (f"J {self.cost:.9g}, {self.time_s:.6f} s, {self.impulse_Ns:.6f} N s, contact {self.contact:.0f}, "
-                f"height {self.height_m:+.6f} m, ring {self.ring_rad:+.6f} rad, stops {[[round(c, 6) for c in p] for p, _ in self.stops]}")
+                f"height {self.height_m:+.6f} m, ring {self.ring_rad:+.6f} rad, stops {stops}")
 
 
 def plans(scalar, method, first=0, count=COUNT):
@@ -122,17 +125,21 @@ class Scalars(unittest.TestCase):
         """Holds what is to hold of every plan. @return those that go the same way as in double, with these."""
         pairs = [(plan, d) for plan, d in zip(found, double) if plan.status == d.status == "ok"]
         alike = [(plan, d) for plan, d in pairs if plan.goes_like(d)]
+        late = [(plan, d) for plan, d in pairs if plan.time_error(d) > 1 and not plan.goes_like(d)]
         print(f"{method}, {scalar}: {len(pairs)} plans, {len(alike)} go the same way; median / p99 / most of |dJ|/J "
               f"{figures(p.cost_error(d) for p, d in pairs)}, end off by {figures(p.off_place_m for p, _ in pairs)} m, "
               f"{figures(p.off_angle_rad for p, _ in pairs)} rad, samples {figures(p.off_legs_m for p, _ in pairs)} m, "
-              f"time {figures(p.time_error(d) for p, d in alike)} of what is allowed; "
-              f"{sum(p.time_error(d) > 1 for p, d in pairs if not p.goes_like(d))} of the others take another time")
+              f"time {figures(p.time_error(d) for p, d in alike)} of what is allowed; {len(late)} of the others take another time, "
+              f"{sum(p.contact != d.contact or abs(p.height_m - d.height_m) > PLACE_M for p, d in pairs)} choose another grasp")
         self.assert_none("silent overflow", [(p, d) for p, d in zip(found, double) if p.overflowed and p.status != "numeric overflow"])
         self.assert_none("other status", [(p, d) for p, d in zip(found, double) if p.status != d.status])
         self.assert_none("price", [(p, d) for p, d in pairs if p.cost_error(d) > COST[scalar]])
         self.assert_none("end", [(p, d) for p, d in pairs if p.off_place_m > PLACE_M or p.off_angle_rad > ANGLE_RAD])
         self.assert_none("samples", [(p, d) for p, d in pairs if p.off_legs_m > PLACE_M])
         self.assert_none("duration", [(p, d) for p, d in alike if p.time_error(d) > 1])
+        if LONG:
+            self.assert_none("duration of those that stop elsewhere", late)
+        self.assertLessEqual(len(late), ANOTHER_TIME[scalar] * COUNT)
         return alike
 
     def test_the_paper_s_method_plans_the_same(self):
