@@ -3,10 +3,14 @@
 /// task from FIRST up to COUNT is planned. A line has the task's number, the status, whether a result did not fit the scalar,
 /// and of a plan J, time, impulse, contact, attach height, ring angle, the beam's half length, the standoff, port position and
 /// axis, the final poses of vehicle and beam, how far the plan sampled a moment before the end of a leg is from that end, at
-/// most, and the vehicle's pose at the end of each leg.
+/// most, the pose of the beam on the vehicle, and of each leg the vehicle's pose at its end, its phase, kind, twist and length.
+///
+/// With `plan_numbers SEED METHOD -` it reads such lines of another scalar instead and prices their motions: a line has the task's
+/// number, J and time.
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "planner/leg.h"
 #include "shipped.h"
 #include "tasks.h"
 
@@ -55,23 +59,30 @@ static void print_plan(const ssv_scenario_t* scenario, const ssv_plan_t* plan) {
     print_pose(plan->X_IS_final);
     print_pose(plan->X_IB_final);
     printf(" %.17g", off_the_legs_m(plan));
-    for (int k = 0; k < plan->num_legs; k++) print_pose(plan->leg[k].X_IS_end);
+    print_pose(plan->X_SB);
+    for (int k = 0; k < plan->num_legs; k++) {
+        const ssv_leg_t* leg = &plan->leg[k];
+        print_pose(leg->X_IS_end);
+        printf(" %d %d", (int)leg->phase, (int)leg->kind);
+        print_vec3(leg->v_S);
+        print_vec3(leg->w_S);
+        print_real(leg->length);
+    }
 }
 
-int main(int argc, char** argv) {
+static ssv_scenario_t task(uint64_t seed, int i, int method) {
+    task_seed(seed + (uint64_t)i);
+    ssv_scenario_t scenario = i < NUM_SHIPPED ? shipped[i].scenario : task_random();
+    scenario.method = (ssv_method_t)method;
+    scenario.want_candidates = false;
+    return scenario;
+}
+
+static void plan_tasks(uint64_t seed, int method, int first, int step, int count) {
     static ssv_problem_t problem;
     static ssv_plan_t plan;
-    if (argc != 6) {
-        fputs("usage: plan_numbers SEED METHOD FIRST STEP COUNT\n", stderr);
-        return 64;
-    }
-    const uint64_t seed = strtoull(argv[1], NULL, 10);
-    const int method = atoi(argv[2]), first = atoi(argv[3]), step = atoi(argv[4]), count = atoi(argv[5]);
     for (int i = first; i < count; i += step) {
-        task_seed(seed + (uint64_t)i);
-        ssv_scenario_t scenario = i < NUM_SHIPPED ? shipped[i].scenario : task_random();
-        scenario.method = (ssv_method_t)method;
-        scenario.want_candidates = false;
+        const ssv_scenario_t scenario = task(seed, i, method);
         ssv_fault_t fault;
         const uint32_t overflows = real_overflows();
         ssv_status_t status = ssv_problem_init(&problem, &scenario, &fault);
@@ -79,6 +90,91 @@ int main(int argc, char** argv) {
         printf("%d %d %d", i, (int)status, real_overflows() != overflows ? 1 : 0);
         if (status == SSV_OK) print_plan(&problem.scenario, &plan);
         putchar('\n');
+    }
+}
+
+// ---- Motions of another scalar ------------------------------------------------------------------------------------------
+
+static bool read_reals(char** at, real_t* values, int num) {
+    for (int k = 0; k < num; k++) {
+        char* end;
+        values[k] = real_from_double(strtod(*at, &end));
+        if (end == *at) return false;
+        *at = end;
+    }
+    return true;
+}
+
+static bool read_vec3(char** at, vec3_t* v) {
+    real_t x[3];
+    if (!read_reals(at, x, 3)) return false;
+    *v = vec3(x[0], x[1], x[2]);
+    return true;
+}
+
+static bool read_pose(char** at, pose_t* X) {
+    real_t q[4];
+    if (!read_vec3(at, &X->p) || !read_reals(at, q, 4)) return false;
+    X->q = (quat_t){q[0], q[1], q[2], q[3]};
+    return true;
+}
+
+static bool read_move(char** at, ssv_move_t* move) {
+    pose_t X_IS_end;
+    real_t kinds[2];
+    if (!read_pose(at, &X_IS_end) || !read_reals(at, kinds, 2)) return false;
+    move->phase = (ssv_phase_t)real_to_double(kinds[0]);
+    move->kind = (ssv_leg_kind_t)real_to_double(kinds[1]);
+    return read_vec3(at, &move->twist.v) && read_vec3(at, &move->twist.w) && read_reals(at, &move->length, 1);
+}
+
+// What a line says before the pose of the beam on the vehicle.
+#define NUM_BEFORE 32
+
+static bool price_motion(char* line, uint64_t seed, int method) {
+    static ssv_problem_t problem;
+    real_t before[NUM_BEFORE], cost = REAL(0), time_s = REAL(0);
+    pose_t X_SB;
+    ssv_fault_t fault;
+    if (!read_reals(&line, before, NUM_BEFORE) || !read_pose(&line, &X_SB)) return false;
+    const int i = (int)real_to_double(before[0]);
+    const ssv_scenario_t scenario = task(seed, i, method);
+    if (ssv_problem_init(&problem, &scenario, &fault) != SSV_OK) return false;
+    ssv_move_t move;
+    while (read_move(&line, &move)) {
+        const ssv_beam_t* beam = move.phase == SSV_TRANSFER ? &problem.scenario.beam : NULL;
+        const ssv_assembly_t assembly = {&problem.scenario.vehicle, beam, X_SB};
+        ssv_thrusts_t thrusts;
+        ssv_ramp_t ramp;
+        ssv_move_thrusts(&problem, &assembly, move.twist, &thrusts);
+        const ssv_price_t price = ssv_move_price(&problem, &move, &thrusts, &ramp);
+        if (price.outcome != SSV_FEASIBLE) return false;
+        cost += price.cost;
+        time_s += price.time_s;
+    }
+    printf("%d", i);
+    print_real(cost);
+    print_real(time_s);
+    putchar('\n');
+    return true;
+}
+
+int main(int argc, char** argv) {
+    static char line[16384];
+    if (argc != 4 && argc != 6) {
+        fputs("usage: plan_numbers SEED METHOD FIRST STEP COUNT, or SEED METHOD -\n", stderr);
+        return 64;
+    }
+    const uint64_t seed = strtoull(argv[1], NULL, 10);
+    const int method = atoi(argv[2]);
+    if (argc == 6) {
+        plan_tasks(seed, method, atoi(argv[3]), atoi(argv[4]), atoi(argv[5]));
+        return 0;
+    }
+    while (fgets(line, sizeof line, stdin) != NULL) {
+        if (price_motion(line, seed, method)) continue;
+        fprintf(stderr, "no motion that can be priced: %s", line);
+        return 65;
     }
     return 0;
 }

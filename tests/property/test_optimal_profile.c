@@ -320,6 +320,8 @@ static leg_t random_leg(int n) {
     leg.w2 = n % 5 < 4 ? weights[n % 5][1] : w2;
     const double cap = top_speed(&leg) * task_between(0.05, 1);
     leg.cap = task_below(4) == 0 ? cap : 0;
+    const double top = top_speed(&leg), cruise = golden(cruise_price, &leg, 0, top, 60); // no leg longer than a plan may take
+    leg.distance = fmin(leg.distance, 0.5 * (double)SSV_DURATION_MAX_S * cruise);
     return leg;
 }
 
