@@ -9,7 +9,7 @@
 
 /// Whether one price is less than another by more than rounding. Prices of mirror images are not: which is taken is then a matter
 /// of order.
-static inline bool ssv_clearly_less(real_t a, real_t b) { return a < b - real_mul(REAL(5e-9), b); }
+static inline bool ssv_clearly_less(real_t a, real_t b) { return a < b - real_mul(real_max(REAL(5e-9), 3 * REAL_EPSILON), b); }
 
 /// Whether two prices are so close, the first being the lesser, that what is found later decides: scalars of few digits may not
 /// tell them apart.
