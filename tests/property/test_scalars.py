@@ -53,7 +53,8 @@ class Price:
     """What a motion costs: task, J, time."""
 
     def __init__(self, line):
-        self.task, self.cost, self.time_s = map(float, line.split())
+        task, cost, time_s = line.split()
+        self.task, self.cost, self.time_s = int(task), float(cost), float(time_s)
 
     def cost_error(self, double):
         return abs(self.cost - double.cost) / double.cost
