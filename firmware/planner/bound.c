@@ -47,7 +47,7 @@ static bool can_row(const ssv_scenario_t* s) {
 real_t ssv_lower_bound(const ssv_problem_t* problem) {
     const ssv_scenario_t* s = &problem->scenario;
     const uint32_t overflows = real_overflows();
-    const vec3_t p_BS = pose_mul(pose_inv(s->X_IB), s->X_IS).p;
+    const vec3_t p_BS = pose_between(s->X_IB, s->X_IS).p;
     const real_t off_ring = vec3_norm(vec3(p_BS.x, p_BS.y, REAL(0))) - s->standoff_m;
     const vec3_t axis_B = quat_apply(s->X_IB.q, vec3(REAL(0), REAL(0), REAL(1)));
     const bool anywhere = s->attach_anywhere && s->method == SSV_METHOD_OPTIMAL;

@@ -13,9 +13,12 @@ ssv_assembly_t ssv_vehicle_alone(const ssv_problem_t* problem) {
     return (ssv_assembly_t){&problem->scenario.vehicle, NULL, {{REAL(0), REAL(0), REAL(0)}, quat_identity()}};
 }
 
-ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, pose_t X_IS) {
+ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, real_t height_m, quat_t q_IS) {
     const ssv_scenario_t* scenario = &problem->scenario;
-    return (ssv_assembly_t){&scenario->vehicle, &scenario->beam, pose_mul(pose_inv(X_IS), scenario->X_IB)};
+    const quat_t q_SB = quat_unit(quat_mul(quat_conj(q_IS), scenario->X_IB.q));
+    const vec3_t ahead = vec3(scenario->standoff_m, REAL(0), REAL(0));
+    const vec3_t p_SB_m = vec3_sub(ahead, quat_apply(q_SB, vec3(REAL(0), REAL(0), height_m)));
+    return (ssv_assembly_t){&scenario->vehicle, &scenario->beam, {p_SB_m, q_SB}};
 }
 
 static bool same(vec3_t a, vec3_t b) { return a.x == b.x && a.y == b.y && a.z == b.z; }

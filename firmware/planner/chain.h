@@ -31,8 +31,8 @@ typedef struct {
 /// The vehicle without a beam.
 ssv_assembly_t ssv_vehicle_alone(const ssv_problem_t* problem);
 
-/// Vehicle and beam, mated with the beam where it lies and the vehicle at X_IS.
-ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, pose_t X_IS);
+/// Vehicle and beam, mated at this height with the beam as it lies and the vehicle in the attitude q_IS, its x towards the beam.
+ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, real_t height_m, quat_t q_IS);
 
 /// Prices flight->move[0..num_moves). Moves that a flight of the same assembly that was priced before has in the same place are not
 /// priced again; NULL if there is none.

@@ -4,11 +4,11 @@
 
 #include "planner/trial.h"
 
-/// Prices closer than this fraction are even.
+/// Prices closer than this fraction are even. It is the same in all scalars: those that refine by other margins go other ways.
 #define SSV_EVEN REAL(1e-9)
 
-/// Whether one price is less than another by more than rounding. Prices of mirror images are not: which is taken is then a matter
-/// of order.
+/// Whether one price is less than another by more than rounding in this scalar. Prices of mirror images are not: which is taken is
+/// then a matter of order.
 static inline bool ssv_clearly_less(real_t a, real_t b) { return a < b - real_mul(real_max(REAL(5e-9), 3 * REAL_EPSILON), b); }
 
 /// Whether two prices are so close, the first being the lesser, that what is found later decides: scalars of few digits may not

@@ -10,7 +10,7 @@ int ssv_grasp_ring_angles(const ssv_scenario_t* scenario, real_t ring_angle_rad[
         ring_angle_rad[0] = scenario->ring_angle_rad;
         return 1;
     }
-    const vec3_t p_BS = pose_mul(pose_inv(scenario->X_IB), scenario->X_IS).p;
+    const vec3_t p_BS = pose_between(scenario->X_IB, scenario->X_IS).p;
     if (vec3_norm(vec3(p_BS.x, p_BS.y, REAL(0))) > ON_AXIS) {
         ring_angle_rad[0] = real_atan2(p_BS.y, p_BS.x);
         return 1;

@@ -41,3 +41,4 @@ extern quat_t quat_from_axis_angle(vec3_t axis, real_t angle_rad);
 extern quat_t quat_between(vec3_t from, vec3_t to);
 extern pose_t pose_mul(pose_t X_AB, pose_t X_BC);
 extern pose_t pose_inv(pose_t X_AB);
+extern pose_t pose_between(pose_t X_AB, pose_t X_AC);

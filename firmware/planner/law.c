@@ -29,7 +29,8 @@ static scaled_t scale(const real_t c[3]) {
 
 // a / b, or far if that is larger in size.
 static real_t div_up_to(real_t a, real_t b, real_t far) {
-    if (b == REAL(0) || real_exponent(a) - real_exponent(b) > real_exponent(far)) return far;
+    if (b == REAL(0)) return far;
+    if (a != REAL(0) && real_exponent(a) - real_exponent(b) > real_exponent(far)) return far;
     const real_t ratio = real_div(a, b);
     return real_abs(ratio) < far ? ratio : far;
 }

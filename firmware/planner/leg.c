@@ -9,6 +9,8 @@
 #define MATTERS_M REAL(0.01)
 // Below this angle three terms of the sine and cosine are as good as all.
 #define SMALL_RAD REAL(1e-3)
+// Two ramps whose prices are closer than this fraction tie: the order decides, not digits in which scalars differ.
+#define RAMPS_TIE REAL(1e-6)
 // A thrust coefficient smaller than this fraction of its neighbours is rounding of the allocation. No more than that may go: where
 // a second costs next to nothing, a millionth of the drag decides by how many seconds a coast is worth while.
 #define COEFFICIENT_MIN real_max(REAL(9.3132257461547852e-10), 16 * REAL_EPSILON)
@@ -35,7 +37,7 @@ ssv_move_t ssv_move_turn(ssv_phase_t phase, vec3_t axis_S, real_t angle_rad, vec
 }
 
 ssv_move_t ssv_move_between(ssv_phase_t phase, pose_t X_IS_from, pose_t X_IS_to) {
-    const pose_t X = pose_mul(pose_inv(X_IS_from), X_IS_to);
+    const pose_t X = pose_between(X_IS_from, X_IS_to);
     const real_t sign = X.q.w < REAL(0) ? REAL(-1) : REAL(1);
     const vec3_t e = vec3_scale(sign, vec3(X.q.x, X.q.y, X.q.z));
     const real_t sine = vec3_norm(e), half = real_atan2(sine, real_abs(X.q.w)), angle = real_mul(REAL(2), half);
@@ -58,7 +60,7 @@ pose_t ssv_move_pose(pose_t X_IS, ssv_twist_t twist, real_t s) {
     pose_t X = {moved, quat_identity()};
     if (rate > REAL(0)) {
         // Rodrigues: p = (a + (1 - cos a) [w] + (a - sin a) [w]^2) v s / a for |w| = 1; as a series while a is small.
-        const vec3_t w = vec3_scale(real_div(REAL(1), rate), twist.w);
+        const vec3_t w = vec3_unit(twist.w);
         const vec3_t across = vec3_cross(w, moved), back = vec3_cross(w, across);
         const bool small = angle < SMALL_RAD;
         const real_t sine = real_sin(real_mul(REAL(0.5), angle)); // 1 - cos a = 2 sine^2, without the difference
@@ -135,7 +137,9 @@ ssv_price_t ssv_move_price(const ssv_problem_t* problem, const ssv_move_t* move,
     ssv_profile_price_t full_reverse, drag_only;
     ssv_profile_price_ramps(thrusts, &rule, move->length, &full_reverse, &drag_only);
     const ssv_price_t reverse = price_of(scenario, &full_reverse), drift = price_of(scenario, &drag_only);
-    if (!ssv_price_beats(&drift, &reverse)) return reverse;
+    ssv_price_t to_beat = reverse;
+    to_beat.cost -= real_mul(RAMPS_TIE, reverse.cost);
+    if (!ssv_price_beats(&drift, &to_beat)) return reverse;
     *ramp = SSV_DRAG_ONLY;
     return drift;
 }

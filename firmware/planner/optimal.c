@@ -6,13 +6,19 @@
 
 #define MAX_TRANSITS 2
 #define NUM_ROUNDS 3
+// When a step of the refinement is taken, as fractions of the price.
+typedef struct {
+    real_t worth_a_look;         // what a parabola must promise
+    real_t least_bend;           // what it is bent at least, whatever the prices say
+    real_t clearly;              // how much lower an end must be than where the parabola leads
+} caution_t;
 typedef struct {
     int refined, sweeps;         // how many of the cheapest, and with how many sweeps
     bool pairs;                  // of numbers, too
 } stage_t;
 typedef struct {
     real_t closeness;            // of estimates
-    real_t worth_a_look;         // a third price along a direction is, if a parabola promises this much
+    caution_t caution;
     int kinds, starts;           // kinds of starts of a transfer, and how many of each are drawn; none if a look has done it
     stage_t rounds[NUM_ROUNDS];  // refinement of the transfer, round after round
     int transits;                // starts of the transit
@@ -22,11 +28,11 @@ typedef struct {
 #define LOOK_KINDS 2
 static const budget_t budgets[] = {
     [SSV_EFFORT_QUICK] = {.closeness = SSV_ESTIMATE_ROUGHLY,
-                          .worth_a_look = REAL(1e-4),
+                          .caution = {REAL(1e-4), REAL(3e-3), REAL(2e-4)},
                           .rounds = {{SSV_LOOK_STARTS, 1, false}},
                           .transits = MAX_TRANSITS},
     [SSV_EFFORT_BEST] = {.closeness = SSV_ESTIMATE_CLOSELY,
-                         .worth_a_look = REAL(1e-5),
+                         .caution = {REAL(1e-5), REAL(1e-5), REAL(2e-6)},
                          .kinds = 3,
                          .starts = 3,
                          .rounds = {{SSV_MAX_STARTS, 1, false}, {3, 3, false}, {1, 3, true}},
@@ -35,8 +41,6 @@ static const budget_t budgets[] = {
                          .joint = {1, 4, true}}};
 static const budget_t glance = {.transits = 1};
 
-// A step that lowers the price by less than this fraction gains nothing: it may be rounding, in any scalar.
-#define NO_GAIN REAL(2e-6)
 // A parabola is not trusted beyond so many steps.
 #define FARTHEST REAL(2.5)
 // Where no thruster acts along a leg: no vehicle that ssv_problem_init accepts is so.
@@ -64,38 +68,47 @@ static real_t try_price(ssv_task_t* task, const ssv_trial_t* trial) {
     return price + before;
 }
 
-// Steps up and down along a direction of the parameters, and to where the parabola through the three prices is lowest. @return
-// how far along the direction it went.
-static real_t search_along(ssv_task_t* task, const real_t direction[SSV_NUM_TRANSFER], real_t worth_a_look, ssv_trial_t* trial,
-                           real_t* price) {
-    const ssv_trial_t centre = *trial;
-    const real_t middle = *price;
-    real_t at[2], least = middle - real_mul(NO_GAIN, middle), best_step = REAL(0);
-    for (int n = 0; n < 3; n++) {
-        real_t step = n == 0 ? REAL(-1) : REAL(1);
-        if (n == 2) {
-            const real_t bend = at[0] + at[1] - real_mul(REAL(2), middle), fall = real_mul(REAL(0.5), at[0] - at[1]);
-            if (!(bend > real_mul(SSV_EVEN, middle))) break;
-            const bool far = real_abs(fall) >= real_mul(FARTHEST, bend);
-            step = !far ? real_div(fall, bend) : fall < REAL(0) ? -FARTHEST : FARTHEST;
-            const real_t promised = real_mul(step, fall - real_mul(REAL(0.5), real_mul(bend, step))), found = middle - *price;
-            if (promised - found < real_mul(worth_a_look, middle)) break;
-        }
-        ssv_trial_t next = centre;
-        for (int k = 0; k < SSV_NUM_TRANSFER; k++) next.x[k] += real_mul(step, direction[k]);
-        const real_t there = try_price(task, &next);
-        if (n < 2) at[n] = there;
-        if (there < least - real_mul(SSV_EVEN, least)) {
-            *price = least = there;
-            *trial = next;
-            best_step = real_abs(step);
+static void go(const real_t direction[SSV_NUM_TRANSFER], real_t step, ssv_trial_t* trial) {
+    for (int k = 0; k < SSV_NUM_TRANSFER; k++) trial->x[k] += real_mul(step, direction[k]);
+}
+
+static real_t price_at(ssv_task_t* task, const ssv_trial_t* trial, const real_t direction[SSV_NUM_TRANSFER], real_t step) {
+    ssv_trial_t there = *trial;
+    go(direction, step, &there);
+    return try_price(task, &there);
+}
+
+// Prices a step down and a step up along a direction of the parameters, and goes to where the parabola through the three prices is
+// lowest. How far must not hang on the last digits of prices, in which scalars differ: where a parabola is nearly flat it counts
+// as bent, which keeps the step short. @return how far along the direction it went.
+static real_t search_along(ssv_task_t* task, const real_t direction[SSV_NUM_TRANSFER], const caution_t* caution,
+                           ssv_trial_t* trial, real_t* price) {
+    const real_t middle = *price, down = price_at(task, trial, direction, REAL(-1));
+    const real_t up = price_at(task, trial, direction, REAL(1));
+    const real_t fall = real_mul(REAL(0.5), down - up);
+    const real_t bend = real_max(down + up - real_mul(REAL(2), middle), real_mul(caution->least_bend, middle));
+    const bool far = real_abs(fall) >= real_mul(FARTHEST, bend);
+    const real_t step = !far ? real_div(fall, bend) : fall < REAL(0) ? -FARTHEST : FARTHEST;
+    const real_t promised = real_mul(step, fall - real_mul(REAL(0.5), real_mul(bend, step)));
+    real_t went = REAL(0);
+    if (promised > real_mul(caution->worth_a_look, middle)) {
+        const real_t there = price_at(task, trial, direction, step);
+        if (there < middle - real_mul(SSV_EVEN, middle)) {
+            *price = there;
+            went = step;
         }
     }
-    return best_step;
+    const real_t end = real_min(down, up);
+    if (end < *price - real_mul(caution->clearly, middle)) {
+        *price = end;
+        went = up < down - real_mul(SSV_EVEN, down) ? REAL(1) : REAL(-1);
+    }
+    go(direction, went, trial);
+    return real_abs(went);
 }
 
 // Pairs of numbers, each with one that stands so far further along the list: up or down together, or one up and one down.
-static void search_pairs(ssv_task_t* task, const real_t step[SSV_NUM_TRANSFER], int apart, real_t worth_a_look,
+static void search_pairs(ssv_task_t* task, const real_t step[SSV_NUM_TRANSFER], int apart, const caution_t* caution,
                          ssv_trial_t* trial, real_t* price) {
     for (int k = 0; k < SSV_NUM_TRANSFER; k++) {
         const int other = (k + apart) % SSV_NUM_TRANSFER;
@@ -103,9 +116,9 @@ static void search_pairs(ssv_task_t* task, const real_t step[SSV_NUM_TRANSFER], 
         real_t price_against = *price, direction[SSV_NUM_TRANSFER] = {REAL(0)};
         direction[k] = step[k];
         direction[other] = step[other];
-        search_along(task, direction, worth_a_look, trial, price);
+        search_along(task, direction, caution, trial, price);
         direction[other] = -step[other];
-        search_along(task, direction, worth_a_look, &against, &price_against);
+        search_along(task, direction, caution, &against, &price_against);
         if (!(price_against < *price)) continue;
         *trial = against;
         *price = price_against;
@@ -114,7 +127,7 @@ static void search_pairs(ssv_task_t* task, const real_t step[SSV_NUM_TRANSFER], 
 
 // Each number in turn, and after each sweep the way that the sweep went as a whole. Steps shrink where nothing moves. Pairs go on
 // where the price has a kink, at which neither number gains alone.
-static void refine(ssv_task_t* task, real_t worth_a_look, const stage_t* stage, ssv_trial_t* trial, real_t* price) {
+static void refine(ssv_task_t* task, const caution_t* caution, const stage_t* stage, ssv_trial_t* trial, real_t* price) {
     const int num = task->phase == SSV_TRANSIT ? SSV_NUM_TRANSIT : SSV_NUM_TRANSFER;
     const bool given = task->phase == SSV_TRANSFER && task->problem->scenario.ring_angle_given;
     real_t step[SSV_NUM_TRANSFER];
@@ -125,13 +138,13 @@ static void refine(ssv_task_t* task, real_t worth_a_look, const stage_t* stage, 
             if (!(step[k] > REAL(0))) continue;
             real_t direction[SSV_NUM_TRANSFER] = {REAL(0)};
             direction[k] = step[k];
-            const real_t went = search_along(task, direction, worth_a_look, trial, price);
+            const real_t went = search_along(task, direction, caution, trial, price);
             step[k] = real_mul(step[k], real_max(REAL(0.3), real_min(REAL(1.5), went)));
         }
-        if (stage->pairs) search_pairs(task, step, 1 + n, worth_a_look, trial, price);
+        if (stage->pairs) search_pairs(task, step, 1 + n, caution, trial, price);
         real_t direction[SSV_NUM_TRANSFER];
         for (int k = 0; k < SSV_NUM_TRANSFER; k++) direction[k] = trial->x[k] - before.x[k];
-        search_along(task, direction, worth_a_look, trial, price);
+        search_along(task, direction, caution, trial, price);
     }
 }
 
@@ -163,9 +176,9 @@ static void price_all(ssv_task_t* task, ssv_start_t* list, int num) {
     sort(list, num);
 }
 
-static void refine_first(ssv_task_t* task, real_t worth_a_look, const stage_t* stage, ssv_start_t* list, int num) {
+static void refine_first(ssv_task_t* task, const caution_t* caution, const stage_t* stage, ssv_start_t* list, int num) {
     const int most = stage->refined < num ? stage->refined : num;
-    for (int k = 0; k < most; k++) refine(task, worth_a_look, stage, &list[k].trial, &list[k].price);
+    for (int k = 0; k < most; k++) refine(task, caution, stage, &list[k].trial, &list[k].price);
     sort(list, most);
 }
 
@@ -199,7 +212,7 @@ static real_t find_transit(ssv_task_t* carry, const ssv_handling_t* handling, co
     ssv_task_t fly = ssv_transit_task(carry, &X_to);
     const int num = ssv_draw_transit(&fly, handling, budget->transits, list);
     price_all(&fly, list, num);
-    refine_first(&fly, budget->worth_a_look, &budget->transit, list, num);
+    refine_first(&fly, &budget->caution, &budget->transit, list, num);
     carry->num_priced += fly.num_priced;
     if (transit != NULL) *transit = list[0].trial;
     return list[0].price;
@@ -261,11 +274,11 @@ SSV_OWN_FRAME static void find(ssv_task_t* carry, ssv_search_t* search, const bu
     for (int k = 0; !looked && k < num; k++) add_transit(carry, handling, &list[k]);
     sort(list, num);
     num = drop_twins(list, num);
-    for (int n = 0; n < NUM_ROUNDS; n++) refine_first(carry, budget->worth_a_look, &budget->rounds[n], list, num);
+    for (int n = 0; n < NUM_ROUNDS; n++) refine_first(carry, &budget->caution, &budget->rounds[n], list, num);
     *transfer = list[0].trial;
     real_t price = list[0].price + find_transit(carry, handling, budget, transfer, transit);
     carry->before = transit;
-    refine(carry, budget->worth_a_look, &budget->joint, transfer, &price);
+    refine(carry, &budget->caution, &budget->joint, transfer, &price);
 }
 
 static void fly(const ssv_problem_t* problem, const ssv_motion_t* motion, ssv_flight_t* flight) {

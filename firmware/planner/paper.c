@@ -64,7 +64,7 @@ static bool costs_at_least(const ssv_problem_t* problem, const ssv_grasp_t* gras
     const real_t to_beam = straight_price(problem, &alone, &flight.move[0]);
     if (num_axes > 1 || to_beam >= price) return to_beam >= price;
     const pose_t X_IS = end_of(&flight, problem->scenario.X_IS);
-    const ssv_assembly_t pair = ssv_vehicle_with_beam(problem, X_IS);
+    const ssv_assembly_t pair = ssv_vehicle_with_beam(problem, grasp->height_m, X_IS.q);
     ssv_flight_t to_port;
     if (lay_transfer(problem, &pair, grasp->contact, X_IS, 0, &to_port) > 1) return false;
     if (to_beam + straight_price(problem, &pair, &to_port.move[1]) >= price) return true;
@@ -93,7 +93,7 @@ bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m
             *num_priced += k > 0 ? 1 : 0;
         }
         const pose_t X_mate = end_of(to_beam, problem->scenario.X_IS);
-        const ssv_assembly_t pair = ssv_vehicle_with_beam(problem, X_mate);
+        const ssv_assembly_t pair = ssv_vehicle_with_beam(problem, height_m, X_mate.q);
         num_axes = 1;
         for (int k = 0; k < num_axes; k++) {
             num_axes = lay_transfer(problem, &pair, contact, X_mate, k, &trial);

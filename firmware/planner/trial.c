@@ -151,23 +151,26 @@ void ssv_trial_lay(const ssv_task_t* task, const ssv_trial_t* trial, ssv_motion_
     const bool alone = task->phase == SSV_TRANSIT;
     const vec3_t ahead = vec3(alone ? REAL(0) : task->problem->scenario.standoff_m, REAL(0), REAL(0));
     const vec3_t pivot[SSV_NUM_ENDS] = {part(trial, SSV_X_PIVOT), part(trial, SSV_X_PIVOT + 3)};
-    vec3_t p_IT[SSV_NUM_ENDS] = {task->hold_I[0], task->hold_I[1]};
+    // From hold_I[0], so that they keep their digits wherever in the tank that is.
+    const vec3_t hold[SSV_NUM_ENDS] = {vec3(REAL(0), REAL(0), REAL(0)), vec3_sub(task->hold_I[1], task->hold_I[0])};
+    vec3_t p_T[SSV_NUM_ENDS] = {hold[0], hold[1]};
     carriage_t carriage;
     ssv_attitudes_t a;
     carriage_of(task, trial, &carriage);
     // Where a transfer's flight starts and ends depends on how the vehicle travels, and that on the way from one to the other: a
     // few steps to and fro.
     for (int n = 0; n < (alone ? 1 : NUM_AIMS); n++) {
-        aim(task, &carriage, vec3_sub(p_IT[1], p_IT[0]), &a);
+        aim(task, &carriage, vec3_sub(p_T[1], p_T[0]), &a);
         for (int end = 0; !alone && end < SSV_NUM_ENDS; end++) {
-            const vec3_t pivot_I = vec3_add(task->hold_I[end], quat_apply(a.q_IS[end], vec3_sub(pivot[end], ahead)));
-            p_IT[end] = vec3_sub(pivot_I, quat_apply(a.q_IT[end], pivot[end]));
+            const vec3_t turned = quat_apply(a.q_IS[end], vec3_sub(pivot[end], ahead));
+            p_T[end] = vec3_add(hold[end], vec3_sub(turned, quat_apply(a.q_IT[end], pivot[end])));
         }
     }
     motion->X_from = (pose_t){vec3_sub(task->hold_I[0], quat_apply(a.q_IS[0], ahead)), a.q_IS[0]};
-    motion->assembly = alone ? ssv_vehicle_alone(task->problem) : ssv_vehicle_with_beam(task->problem, motion->X_from);
+    motion->assembly = alone ? ssv_vehicle_alone(task->problem)
+                             : ssv_vehicle_with_beam(task->problem, task->height_m, motion->X_from.q);
     motion->move[0] = turn_about(task->phase, a.q_IS[0], a.q_IT[0], pivot[0]);
-    motion->move[1] = ssv_move_between(task->phase, (pose_t){p_IT[0], a.q_IT[0]}, (pose_t){p_IT[1], a.q_IT[1]});
+    motion->move[1] = ssv_move_between(task->phase, (pose_t){p_T[0], a.q_IT[0]}, (pose_t){p_T[1], a.q_IT[1]});
     motion->move[2] = turn_about(task->phase, a.q_IT[1], a.q_IS[1], pivot[1]);
 }
 

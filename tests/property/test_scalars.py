@@ -24,7 +24,7 @@ COST = {"float": 1e-3, "fixed": 1e-4}  # |dJ| / J
 TIME_S, TIME = 1e-3, 5e-4  # whichever is more
 PLACE_M, ANGLE_RAD = 1e-4, math.radians(0.01)
 # Two plans make the same choice if the vehicle is at the same place and attitude, as closely as the end must be, wherever it stops.
-SAME_CHOICE = {"float": 0.9, "fixed": 1}  # of the plans of method optimal, at least
+SAME_CHOICE = {"float": 0.98, "fixed": 1}  # of the plans of method optimal, at least
 
 
 def turned(q, v):

@@ -44,7 +44,13 @@ inline vec3_t vec3_cross(vec3_t a, vec3_t b) {
                 real_mul(a.x, b.y) - real_mul(a.y, b.x));
 }
 
-inline real_t vec3_norm(vec3_t a) { return real_sqrt(vec3_dot(a, a)); }
+/// |a|. Where squares of a short one would have no digits, it is scaled first.
+inline real_t vec3_norm(vec3_t a) {
+    const int n = real_exponent(real_abs(a.x) + real_abs(a.y) + real_abs(a.z));
+    if (n >= 0) return real_sqrt(vec3_dot(a, a));
+    const vec3_t unit = vec3(real_scale(a.x, -n), real_scale(a.y, -n), real_scale(a.z, -n));
+    return real_scale(real_sqrt(vec3_dot(unit, unit)), n);
+}
 
 /// a / |a|; the caller knows that |a| is not zero.
 inline vec3_t vec3_unit(vec3_t a) {
@@ -129,6 +135,13 @@ inline pose_t pose_mul(pose_t X_AB, pose_t X_BC) {
 inline pose_t pose_inv(pose_t X_AB) {
     const quat_t q_BA = quat_conj(X_AB.q);
     const pose_t r = {vec3_neg(quat_apply(q_BA, X_AB.p)), q_BA};
+    return r;
+}
+
+/// X_BC from X_AB and X_AC. Positions are subtracted first: far from A, they agree in most of their digits.
+inline pose_t pose_between(pose_t X_AB, pose_t X_AC) {
+    const quat_t q_BA = quat_conj(X_AB.q);
+    const pose_t r = {quat_apply(q_BA, vec3_sub(X_AC.p, X_AB.p)), quat_unit(quat_mul(q_BA, X_AC.q))};
     return r;
 }
 
