@@ -1,7 +1,8 @@
-// Vectors and poses in every scalar, against long double: what is short keeps its digits, too.
+// Vectors, poses and laws in every scalar, against long double: what is short or slow keeps its digits, too.
 #include <math.h>
 #include <string.h>
 
+#include "planner/law.h"
 #include "planner/leg.h"
 #include "tasks.h"
 #include "unity.h"
@@ -42,9 +43,23 @@ static void test_a_flight_turns_as_far_as_its_twist_says_however_little_that_is(
     }
 }
 
+// Without a constant thrust, the distance between two speeds is log((b + c v_to) / (b + c v_from)) / c.
+static void test_a_slow_coast_is_as_long_as_its_drag_says(void) {
+    const double b = -16.3, c = 300;
+    const real_t law[3] = {REAL(0), real_from_double(b), real_from_double(c)};
+    for (int n = 0; n < NUM_OF_EACH; n++) {
+        const double fast = pow(10, task_between(-5, -2)), slow = fast * task_between(0.2, 0.6);
+        const ssv_moments_t m = ssv_law_integrals(law, real_from_double(fast), real_from_double(slow));
+        const long double expected = log1pl((long double)(c * (slow - fast)) / (long double)(b + c * fast)) / (long double)c;
+        // A part in ten thousand for the speeds' digits in fixed point, and its last digit.
+        TEST_ASSERT_TRUE(fabsl((long double)real_to_double(m.distance) - expected) <= 1e-4L * expected + 1e-9L);
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_the_length_of_a_vector_is_as_good_as_its_components);
     RUN_TEST(test_a_flight_turns_as_far_as_its_twist_says_however_little_that_is);
+    RUN_TEST(test_a_slow_coast_is_as_long_as_its_drag_says);
     return UNITY_END();
 }
