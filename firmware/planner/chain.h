@@ -31,7 +31,8 @@ typedef struct {
 /// The vehicle without a beam.
 ssv_assembly_t ssv_vehicle_alone(const ssv_problem_t* problem);
 
-/// Vehicle and beam, mated at this height with the beam as it lies and the vehicle in the attitude q_IS, its x towards the beam.
+/// Vehicle and beam, mated at the attach height [m] along z_B, with the beam as it lies and the vehicle in the attitude q_IS, its x
+/// axis towards the beam's. X_SB follows from the grasp, not from positions in I, which have fewer digits far from the origin.
 ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, real_t height_m, quat_t q_IS);
 
 /// Prices flight->move[0..num_moves). Moves that a flight of the same assembly that was priced before has in the same place are not

@@ -9,7 +9,7 @@
 #define MATTERS_M REAL(0.01)
 // Below this angle three terms of the sine and cosine are as good as all.
 #define SMALL_RAD REAL(1e-3)
-// Two ramps whose prices are closer than this fraction tie: the order decides, not digits in which scalars differ.
+// The paper's two ramps tie if their prices are closer than this fraction: the order decides, not digits in which scalars differ.
 #define RAMPS_TIE REAL(1e-6)
 // A thrust coefficient smaller than this fraction of its neighbours is rounding of the allocation. No more than that may go: where
 // a second costs next to nothing, a millionth of the drag decides by how many seconds a coast is worth while.

@@ -6,7 +6,7 @@
 
 #define MAX_TRANSITS 2
 #define NUM_ROUNDS 3
-// When a step of the refinement is taken, as fractions of the price.
+// When a step of the refinement is taken, as fractions of the price; by measurement: of J, and of how often float and double part.
 typedef struct {
     real_t worth_a_look;         // what a parabola must promise
     real_t least_bend;           // what it is bent at least, whatever the prices say
@@ -28,11 +28,11 @@ typedef struct {
 #define LOOK_KINDS 2
 static const budget_t budgets[] = {
     [SSV_EFFORT_QUICK] = {.closeness = SSV_ESTIMATE_ROUGHLY,
-                          .caution = {REAL(1e-4), REAL(3e-3), REAL(2e-4)},
+                          .caution = {.worth_a_look = REAL(1e-4), .least_bend = REAL(3e-3), .clearly = REAL(2e-4)},
                           .rounds = {{SSV_LOOK_STARTS, 1, false}},
                           .transits = MAX_TRANSITS},
     [SSV_EFFORT_BEST] = {.closeness = SSV_ESTIMATE_CLOSELY,
-                         .caution = {REAL(1e-5), REAL(1e-5), REAL(2e-6)},
+                         .caution = {.worth_a_look = REAL(1e-5), .least_bend = REAL(1e-5), .clearly = REAL(2e-6)},
                          .kinds = 3,
                          .starts = 3,
                          .rounds = {{SSV_MAX_STARTS, 1, false}, {3, 3, false}, {1, 3, true}},

@@ -39,7 +39,7 @@ static void test_a_flight_turns_as_far_as_its_twist_says_however_little_that_is(
         const long double turned = 2 * asinl(fminl(1, size_of(vec3(X.q.x, X.q.y, X.q.z))));
         // A part in a million of the turn, or what the last digits of twist and attitude amount to.
         const long double expected = FLIGHT_M * size_of(twist.w), allowed = 1e-6L * expected + 5e-9L;
-        TEST_ASSERT_TRUE(fabsl(turned - expected) <= allowed);
+        TEST_ASSERT_DOUBLE_WITHIN((double)allowed, (double)expected, (double)turned);
     }
 }
 
@@ -52,7 +52,7 @@ static void test_a_slow_coast_is_as_long_as_its_drag_says(void) {
         const ssv_moments_t m = ssv_law_integrals(law, real_from_double(fast), real_from_double(slow));
         const long double expected = log1pl((long double)(c * (slow - fast)) / (long double)(b + c * fast)) / (long double)c;
         // A part in ten thousand for the speeds' digits in fixed point, and its last digit.
-        TEST_ASSERT_TRUE(fabsl((long double)real_to_double(m.distance) - expected) <= 1e-4L * expected + 1e-9L);
+        TEST_ASSERT_DOUBLE_WITHIN((double)(1e-4L * expected + 1e-9L), (double)expected, real_to_double(m.distance));
     }
 }
 
