@@ -143,16 +143,20 @@ static ssv_moments_t moments(const scaled_t* s, const real_t law[3], real_t v_fr
 }
 
 ssv_moments_t ssv_law_moments(const real_t law[3], real_t v_from, real_t v_to, real_t time) {
-    if (v_from == v_to) return (ssv_moments_t){time, real_mul(time, v_from), real_mul(time, real_sq(v_from))};
-    if (is_short(law, v_from, v_to)) {
+    real_t v = v_from, v2 = real_sq(v_from); // means over time
+    if (v_from != v_to) {
+        if (!is_short(law, v_from, v_to)) {
+            const scaled_t s = scale(law);
+            return moments(&s, law, v_from, v_to, time);
+        }
         // Close to a terminal speed only the ratios of the sums are good.
         const ssv_moments_t sum = moments_by_quadrature(law, v_from, v_to);
-        if (sum.time == REAL(0)) return (ssv_moments_t){time, real_mul(time, v_from), real_mul(time, real_sq(v_from))};
-        const real_t distance = real_mul(time, real_div(sum.distance, sum.time));
-        return (ssv_moments_t){time, distance, real_mul(time, real_div(sum.speed2, sum.time))};
+        if (sum.time != REAL(0)) {
+            v = real_div(sum.distance, sum.time);
+            v2 = real_div(sum.speed2, sum.time);
+        }
     }
-    const scaled_t s = scale(law);
-    return moments(&s, law, v_from, v_to, time);
+    return (ssv_moments_t){time, real_mul(time, v), real_mul(time, v2)};
 }
 
 ssv_moments_t ssv_law_integrals(const real_t law[3], real_t v_from, real_t v_to) {

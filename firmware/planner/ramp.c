@@ -68,10 +68,10 @@ static int compare(const ssv_steering_t* s, int a, int b, real_t v) {
 
 // The tightest limit just beyond speed v.
 static int limit_at(const ssv_steering_t* s, int side, real_t v) {
+    const int tighter = side == FORWARDS ? -1 : 1;
     int best = number(0, side);
     for (int k = 1; k < s->laws.num; k++) {
-        const int order = compare(s, number(k, side), best, v);
-        if (side == FORWARDS ? order < 0 : order > 0) best = number(k, side);
+        if (compare(s, number(k, side), best, v) == tighter) best = number(k, side);
     }
     return best;
 }
@@ -170,6 +170,7 @@ static void tangents(const ssv_steering_t* s, bool up, int law, real_t mid, real
         const bool positive = linear + real_mul(quadratic, mid) < REAL(0);
         for (int way = INWARDS; way <= OUTWARDS; way++) add_cost(s, REAL(1), linear, quadratic, positive, line[way]);
     }
+    for (int n = 0; n < 3; n++) line[OUTWARDS][n] = -line[OUTWARDS][n];
 }
 
 // The next law that way at a speed: a kink short of the limit, or the limit that holds from `at` on. @return -1 if there is none.
@@ -208,9 +209,11 @@ static bool step(const ssv_steering_t* s, int side, int way, real_t at, real_t v
 
 // Where in (at, to) a law's line goes over to the side on which that law holds no longer, else to. A line that is there from the
 // start, because there is no law to step to, comes back first.
-static real_t leaves(const real_t line[3], int way, real_t at, real_t to) {
+static real_t leaves(const real_t line[3], real_t at, real_t to) {
     const real_t here = ssv_quadratic_at(line, at), root = ssv_quadratic_root_after(line, at, to);
-    return (way == INWARDS ? here < REAL(0) : here > REAL(0)) ? ssv_quadratic_root_after(line, root, to) : root;
+    if (here < REAL(0)) return ssv_quadratic_root_after(line, root, to);
+    // Rounding may put a root at the start a little before it.
+    return root == to && here + ssv_quadratic_at(line, to) < REAL(0) ? at : root;
 }
 
 // From the law that held below v, or the limit (-1), to that which holds above; *next is the speed up to which it does, and *way
@@ -218,8 +221,8 @@ static real_t leaves(const real_t line[3], int way, real_t at, real_t to) {
 static int thrifty_law(const ssv_steering_t* s, int side, walk_t* walk, real_t v, real_t top, real_t* next, int* way) {
     const bool up = side == FORWARDS;
     const real_t at = real_min(v + real_max(real_mul(PROBE, s->top), real_mul(LOOK_AHEAD, v)), top);
-    const int limit = limit_at(s, side, v);
-    const bool beyond = walk->law >= 0 && (up ? compare(s, walk->law, limit, at) > 0 : compare(s, walk->law, limit, at) < 0);
+    const int limit = limit_at(s, side, at);
+    const bool beyond = walk->law >= 0 && compare(s, walk->law, limit, at) == (up ? 1 : -1);
     if (walk->law < 0 || side_of(walk->law) != IDLE || beyond) *walk = (walk_t){limit, -1};
     real_t line[2][3], to = top;
     for (int n = 0; n < 2 * SSV_NUM_THRUSTERS; n++) {
@@ -228,11 +231,11 @@ static int thrifty_law(const ssv_steering_t* s, int side, walk_t* walk, real_t v
         tangents(s, up, walk->law, mid, line);
         if (ssv_quadratic_at(line[INWARDS], at) < REAL(0) && step(s, side, INWARDS, at, mid, walk)) continue;
         if (side_of(walk->law) != IDLE) break;
-        if (ssv_quadratic_at(line[OUTWARDS], at) > REAL(0) && step(s, side, OUTWARDS, at, mid, walk)) continue;
+        if (ssv_quadratic_at(line[OUTWARDS], at) < REAL(0) && step(s, side, OUTWARDS, at, mid, walk)) continue;
         break;
     }
-    const real_t inwards = leaves(line[INWARDS], INWARDS, at, to);
-    const real_t outwards = side_of(walk->law) == IDLE ? leaves(line[OUTWARDS], OUTWARDS, at, to) : to;
+    const real_t inwards = leaves(line[INWARDS], at, to);
+    const real_t outwards = side_of(walk->law) == IDLE ? leaves(line[OUTWARDS], at, to) : to;
     *next = real_min(inwards, outwards);
     *way = *next == to ? -1 : inwards < outwards ? INWARDS : OUTWARDS;
     return walk->law;

@@ -39,10 +39,12 @@ typedef struct {
     const ssv_piece_t* piece;
     real_t thrust[N][3];         // as quadratics in v
     real_t force_max_N;
+    int unit;                    // of time, for how they bend: 2^unit s, shorter where the piece is short
 } track_t;
 
 static track_t track_of(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece) {
-    track_t track = {.piece = piece, .force_max_N = thrusts->force_max_N};
+    const int unit = real_exponent(piece->duration_s);
+    track_t track = {.piece = piece, .force_max_N = thrusts->force_max_N, .unit = unit < 0 ? unit : 0};
     for (int i = 0; i < N; i++) ssv_piece_thrust(thrusts, piece, i, track.thrust[i]);
     return track;
 }
@@ -54,7 +56,8 @@ static bool is_constant(const real_t c[3]) { return c[1] == REAL(0) && c[2] == R
 static real_t stretch_at(const track_t* track, real_t t, real_t h, real_t drift_max_s2) {
     const real_t* law = track->piece->law;
     const real_t v = ssv_piece_speed(track->piece, t);
-    const real_t accel = ssv_quadratic_at(law, v), jerk = real_mul(accel, law[1] + real_mul(REAL(2), real_mul(law[2], v)));
+    const real_t slope = real_scale(law[1] + real_mul(REAL(2), real_mul(law[2], v)), track->unit);
+    const real_t accel = real_scale(ssv_quadratic_at(law, v), track->unit), jerk = real_mul(accel, slope);
     const real_t squared = real_mul(REAL(2), real_sq(accel) + real_mul(v, jerk));
     real_t most = REAL(0);
     for (int i = 0; i < N; i++) {
@@ -63,8 +66,9 @@ static real_t stretch_at(const track_t* track, real_t t, real_t h, real_t drift_
     }
     const real_t bend = real_div(most, real_mul(REAL(12), track->force_max_N));
     if (!(bend > REAL(0))) return h;
-    h = real_min(h, real_sqrt(real_div(real_mul(AIM, TOLERANCE), bend)));
-    const real_t drift = real_mul(real_mul(bend, real_sq(h)), real_sq(h)), most_drift = real_mul(AIM, drift_max_s2);
+    const real_t units = real_min(real_scale(h, -track->unit), real_sqrt(real_div(real_mul(AIM, TOLERANCE), bend)));
+    h = real_scale(units, track->unit);
+    const real_t drift = real_mul(real_mul(bend, real_sq(units)), real_sq(h)), most_drift = real_mul(AIM, drift_max_s2);
     return drift > most_drift ? real_mul(h, real_sqrt(real_sqrt(real_div(most_drift, drift)))) : h;
 }
 
