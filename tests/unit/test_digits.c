@@ -1,9 +1,11 @@
-// Vectors, poses and laws in every scalar, against long double: what is short or slow keeps its digits, too.
+// Vectors, poses, laws, profiles and timelines in every scalar: what is short, slow or nearly equal keeps its digits, too.
 #include <math.h>
 #include <string.h>
 
 #include "planner/law.h"
 #include "planner/leg.h"
+#include "planner/profile.h"
+#include "planner/timeline.h"
 #include "tasks.h"
 #include "unity.h"
 
@@ -56,10 +58,97 @@ static void test_a_slow_coast_is_as_long_as_its_drag_says(void) {
     }
 }
 
+// How far beyond its limit the leg's profile drives any thruster, at most, where a piece starts, ends, and in between.
+static double beyond_the_limit_N(const ssv_thrusts_t* thrusts, const ssv_profile_t* profile) {
+    double most = 0;
+    for (int k = 0; k < profile->num_pieces; k++) {
+        const ssv_piece_t* piece = &profile->piece[k];
+        for (int n = 0; n <= 4; n++) {
+            const double v = real_to_double(piece->v_start) + n / 4.0 * real_to_double(piece->v_end - piece->v_start);
+            double law[3];
+            for (int m = 0; m < 3; m++) law[m] = real_to_double(piece->law[m]);
+            const double a = law[0] + v * (law[1] + v * law[2]);
+            for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+                const double u = real_to_double(thrusts->accel[i]) * a + real_to_double(thrusts->linear[i]) * v +
+                                 real_to_double(thrusts->quadratic[i]) * v * v;
+                most = fmax(most, fabs(u) - real_to_double(thrusts->force_max_N));
+            }
+        }
+    }
+    return most;
+}
+
+// Two thrusters that mirror each other but for some parts in 100,000, and a third that is at its limit up to where they are.
+static void test_no_thruster_is_driven_beyond_its_limit_where_two_nearly_mirror_each_other(void) {
+    const ssv_rule_t rule = {SSV_OPTIMAL, REAL(0), REAL(1), REAL(0.1), REAL(0)};
+    for (int n = 0; n < NUM_OF_EACH; n++) {
+        const double twin = 1 + task_between(-5e-5, 5e-5), third = task_between(15, 30);
+        const ssv_thrusts_t thrusts = {
+            .accel = {REAL(2.76), real_from_double(-2.76 * twin), real_from_double(-third)},
+            .linear = {REAL(38.1), real_from_double(-38.1 * (1 + task_between(-1e-6, 1e-6)))},
+            .quadratic = {REAL(-1.72), REAL(1.72), real_from_double(task_between(-10, -1))},
+            .force_max_N = REAL(6)};
+        ssv_profile_t profile;
+        TEST_ASSERT_EQUAL(SSV_FEASIBLE, ssv_profile_solve(&thrusts, &rule, real_from_double(task_between(0.5, 5)), &profile));
+        // A fiftieth of what the timeline may be off.
+        TEST_ASSERT_DOUBLE_WITHIN(6e-4, 0, beyond_the_limit_N(&thrusts, &profile));
+    }
+}
+
+// What a second and the thrusts that hold a speed cost, per unit of distance.
+static double cost_of_cruise(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule, double v) {
+    double hold = 0;
+    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+        hold += fabs(real_to_double(thrusts->linear[i]) * v + real_to_double(thrusts->quadratic[i]) * v * v);
+    }
+    return (real_to_double(rule->weight_time_per_s) + real_to_double(rule->weight_impulse_per_Ns) * hold) / v;
+}
+
+// Two thrusters that hardly act along the leg idle, one after the other, within moments of its end.
+static void test_a_long_leg_cruises_at_the_cheapest_speed_past_thrusters_that_hardly_act(void) {
+    const ssv_rule_t rule = {SSV_OPTIMAL, REAL(0), REAL(0.01), REAL(1), REAL(0)};
+    ssv_thrusts_t thrusts = {
+        .accel = {REAL(-43.7846298), REAL(43.7789567), REAL(-23.1589955), REAL(-23.1377917), REAL(0.0103), REAL(-0.0334128)},
+        .linear = {REAL(-206.842468), REAL(206.842468), REAL(-0.0500875), REAL(0.0500875), REAL(0.103262), REAL(-0.103262)},
+        .quadratic = {REAL(-101.640538), REAL(101.539105), REAL(-413.865633), REAL(-413.865633), REAL(-0.155897), REAL(-0.25733)},
+        .force_max_N = REAL(6)};
+    for (int n = 0; n < NUM_OF_EACH; n++) {
+        thrusts.accel[4] = real_from_double(task_between(0.008, 0.012));
+        ssv_profile_t profile;
+        TEST_ASSERT_EQUAL(SSV_FEASIBLE, ssv_profile_solve(&thrusts, &rule, real_from_double(task_between(10, 16)), &profile));
+        const double v = real_to_double(profile.peak_speed), cost = cost_of_cruise(&thrusts, &rule, v);
+        // Cheaper than at a thousandth more or less, which costs half a millionth: fixed point tells a part in 100 million.
+        TEST_ASSERT_TRUE(cost < cost_of_cruise(&thrusts, &rule, 1.001 * v));
+        TEST_ASSERT_TRUE(cost < cost_of_cruise(&thrusts, &rule, 0.999 * v));
+    }
+}
+
+// The paper's ramps bind thrusters that hardly act, too: another then gives way within a fraction of a millisecond.
+static void test_a_piece_whose_thrusts_bend_within_a_fraction_of_a_millisecond_has_a_timeline(void) {
+    const ssv_thrusts_t thrusts = {
+        .accel = {REAL(-8.67), REAL(6.6), REAL(0.0011426)}, .linear = {REAL(10), REAL(-2)}, .force_max_N = REAL(6)};
+    const real_t drift_max_s2 = REAL(1e-5);
+    static ssv_plan_t plan;
+    for (int n = 0; n < NUM_OF_EACH; n++) {
+        const double slope = -task_between(8000, 12000), v = task_between(0.2, 0.5), pull = task_between(0.05, 0.3);
+        ssv_piece_t piece = {.law = {real_from_double(pull - slope * v), real_from_double(slope)},
+                             .v_start = real_from_double(v),
+                             .duration_s = real_from_double(task_between(1, 2) / -slope)};
+        piece.v_end = ssv_law_speed(piece.law, piece.v_start, piece.duration_s);
+        const uint32_t overflows = real_overflows();
+        plan.num_segments = 0;
+        TEST_ASSERT_EQUAL(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &piece, REAL(0), 0, drift_max_s2, &plan));
+        TEST_ASSERT_EQUAL(overflows, real_overflows());
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_the_length_of_a_vector_is_as_good_as_its_components);
     RUN_TEST(test_a_flight_turns_as_far_as_its_twist_says_however_little_that_is);
     RUN_TEST(test_a_slow_coast_is_as_long_as_its_drag_says);
+    RUN_TEST(test_no_thruster_is_driven_beyond_its_limit_where_two_nearly_mirror_each_other);
+    RUN_TEST(test_a_long_leg_cruises_at_the_cheapest_speed_past_thrusters_that_hardly_act);
+    RUN_TEST(test_a_piece_whose_thrusts_bend_within_a_fraction_of_a_millisecond_has_a_timeline);
     return UNITY_END();
 }
