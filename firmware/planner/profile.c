@@ -294,8 +294,9 @@ static ssv_outcome_t solve_optimal(leg_t* leg) {
         if (!bracketed) {
             peak = real_min(cruise, real_mul(BEYOND, real_div(peak, covered)));
         } else {
-            const real_t share = n % 3 == 2 ? REAL(0.5) : real_div(-low_miss, high_miss - low_miss);
-            peak = low + real_mul(high - low, share);
+            const real_t half = real_mul(REAL(0.5), low + high);
+            if (half == low || half == high) break; // nothing lies between them, but the reach leaps
+            peak = n % 3 == 2 ? half : low + real_mul(high - low, real_div(-low_miss, high_miss - low_miss));
         }
     }
     return thrifty_ramps(leg, low, a) ? SSV_FEASIBLE : SSV_TOO_MANY_PIECES;
@@ -306,7 +307,7 @@ static ssv_outcome_t solve(leg_t* leg, ssv_ramp_t ramp) {
     const bool thrifty = ramp == SSV_OPTIMAL && leg->steering.weight_impulse > REAL(0);
     const ssv_outcome_t outcome = thrifty ? solve_optimal(leg) : solve_paper(leg, ramp);
     if (outcome != SSV_FEASIBLE) return outcome;
-    if (leg->cruise < real_mul(real_mul(REAL(2), PEAK_TOLERANCE), leg->distance)) leg->cruise = REAL(0);
+    if (leg->cruise < real_mul(2 * PEAK_TOLERANCE, leg->distance)) leg->cruise = REAL(0);
     return SSV_FEASIBLE;
 }
 

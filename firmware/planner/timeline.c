@@ -6,7 +6,7 @@
 #define NUM_NODES 4
 // Errors are looked at in those places and at both ends only; between them they may be a tenth larger.
 #define NUM_CHECKS (NUM_NODES + 2)
-#define TOLERANCE real_mul(REAL(0.9), SSV_TIMELINE_TOLERANCE)
+#define TOLERANCE (9 * (SSV_TIMELINE_TOLERANCE / 10))
 // Errors beyond this are too large in any case, and what they drift in the longest plan is too large for fixed point.
 #define ERROR_MAX REAL(0.1)
 // Lengths aim at so much of the error that is allowed: most then pass at once.
@@ -112,7 +112,6 @@ static real_t fit_all(const track_t* track, real_t t, real_t h, ssv_segment_t* s
 
 ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t t_s, int leg,
                                   real_t drift_max_s2, ssv_plan_t* plan) {
-    const real_t tolerance = TOLERANCE;
     const track_t track = track_of(thrusts, piece);
     real_t t = REAL(0);
     while (t < piece->duration_s) {
@@ -124,10 +123,10 @@ ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_
         for (int n = 0; n < MAX_TRIALS; n++) {
             const real_t error = fit_all(&track, t, h, segment);
             const real_t drift = real_mul(real_mul(real_min(error, ERROR_MAX), h), h);
-            fits = error <= tolerance && drift <= drift_max_s2;
+            fits = error <= TOLERANCE && drift <= drift_max_s2;
             if (fits) break;
             // The error of a line grows with the square of its length, the drift with the fourth power.
-            const real_t shrink = real_sqrt(real_min(real_div(tolerance, real_max(tolerance, error)),
+            const real_t shrink = real_sqrt(real_min(real_div(TOLERANCE, real_max(TOLERANCE, error)),
                                                     real_sqrt(real_div(drift_max_s2, real_max(drift_max_s2, drift)))));
             h = real_mul(h, real_max(REAL(0.1), real_mul(REAL(0.95), shrink)));
         }
