@@ -173,36 +173,32 @@ static void tangents(const ssv_steering_t* s, bool up, int law, real_t mid, real
     for (int n = 0; n < 3; n++) line[OUTWARDS][n] = -line[OUTWARDS][n];
 }
 
-// The next law that way at a speed: a kink short of the limit, or the limit that holds from `at` on. @return -1 if there is none.
-static int neighbour(const ssv_steering_t* s, int side, int law, int way, real_t at, real_t v) {
-    const ssv_laws_t* laws = &s->laws;
-    const real_t sign = side == FORWARDS ? REAL(1) : REAL(-1);
-    const int limit = limit_at(s, side, at);
-    real_t c[3];
-    ssv_ramp_law(laws, law, c);
-    const real_t here = real_mul(sign, ssv_quadratic_at(c, v)), apart = real_mul(TOGETHER, here);
-    ssv_ramp_law(laws, limit, c);
-    const real_t most = real_mul(sign, ssv_quadratic_at(c, v));
-    int best = -1;
-    real_t best_a = way == OUTWARDS ? most : REAL(0);
-    for (int k = 0; k < laws->num; k++) {
-        const real_t a = real_mul(sign, real_mul(v, laws->linear[k] + real_mul(v, laws->quadratic[k])));
-        if (!s->coasts[k] || a <= REAL(0)) continue;
-        if (way == OUTWARDS ? a <= here + apart || a >= best_a : a >= here - apart || a <= best_a) continue;
-        best = number(k, IDLE);
-        best_a = a;
-    }
-    return best < 0 && way == OUTWARDS && law != limit ? limit : best;
-}
-
 // A walk along the kinks: the law, and the one it came from, to which it does not return at the same speed.
 typedef struct {
     int law, left;
 } walk_t;
 
+// To the next law that way at a speed: a kink short of the limit, or the limit that holds from `at` on. @return false if there is
+// none.
 static bool step(const ssv_steering_t* s, int side, int way, real_t at, real_t v, walk_t* walk) {
-    const int next = neighbour(s, side, walk->law, way, at, v);
-    if (next < 0 || next == walk->left) return false;
+    const ssv_laws_t* laws = &s->laws;
+    const real_t sign = side == FORWARDS ? REAL(1) : REAL(-1);
+    const int limit = limit_at(s, side, at);
+    real_t c[3];
+    ssv_ramp_law(laws, walk->law, c);
+    const real_t here = real_mul(sign, ssv_quadratic_at(c, v)), apart = real_mul(TOGETHER, here);
+    ssv_ramp_law(laws, limit, c);
+    const real_t most = real_mul(sign, ssv_quadratic_at(c, v));
+    int next = way == OUTWARDS ? limit : walk->law;
+    real_t next_a = way == OUTWARDS ? most : REAL(0);
+    for (int k = 0; k < laws->num; k++) {
+        const real_t a = real_mul(sign, real_mul(v, laws->linear[k] + real_mul(v, laws->quadratic[k])));
+        if (!s->coasts[k] || a <= REAL(0) || number(k, IDLE) == walk->left) continue;
+        if (way == OUTWARDS ? a <= here + apart || a >= next_a : a >= here - apart || a <= next_a) continue;
+        next = number(k, IDLE);
+        next_a = a;
+    }
+    if (next == walk->law || next == walk->left) return false;
     *walk = (walk_t){next, walk->law};
     return true;
 }

@@ -123,6 +123,30 @@ static void test_a_long_leg_cruises_at_the_cheapest_speed_past_thrusters_that_ha
     }
 }
 
+// Two thrusters would idle at the same speed to within some parts in 100,000, one of them for a moment only.
+static void test_the_price_of_a_leg_does_not_hang_on_the_last_digits_of_its_thrusts(void) {
+    static const double accel[] = {-15.509768, 8.443433, 13.243758, -13.279738, -10.61421, 20.134464};
+    static const double linear[] = {-1.2808765, 1.2808758, 0.6173246, -0.6173246, -0.4380399, 0.438039};
+    static const double quadratic[] = {-0.7764264, 9.2256544, -6.3141825, 11.5830305, -3.5490549, 9.8403398};
+    const ssv_rule_t rule = {SSV_OPTIMAL, REAL(0), REAL(0.01), REAL(1), REAL(0)};
+    double least = INFINITY, most = 0;
+    for (int n = 0; n < NUM_OF_EACH; n++) {
+        ssv_thrusts_t thrusts = {.force_max_N = REAL(6)};
+        for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+            thrusts.accel[i] = real_from_double(accel[i] * (1 + task_between(-1e-6, 1e-6)));
+            thrusts.linear[i] = real_from_double(linear[i] * (1 + task_between(-1e-6, 1e-6)));
+            thrusts.quadratic[i] = real_from_double(quadratic[i] * (1 + task_between(-1e-6, 1e-6)));
+        }
+        const ssv_profile_price_t price = ssv_profile_price(&thrusts, &rule, REAL(2.7274));
+        TEST_ASSERT_EQUAL(SSV_FEASIBLE, price.outcome);
+        const double cost = 0.01 * real_to_double(price.duration_s) + real_to_double(price.impulse_Ns);
+        least = fmin(least, cost);
+        most = fmax(most, cost);
+    }
+    // A hundred times as much as the digits.
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * least, least, most);
+}
+
 // The paper's ramps bind thrusters that hardly act, too: another then gives way within a fraction of a millisecond.
 static void test_a_piece_whose_thrusts_bend_within_a_fraction_of_a_millisecond_has_a_timeline(void) {
     const ssv_thrusts_t thrusts = {
@@ -149,6 +173,7 @@ int main(void) {
     RUN_TEST(test_a_slow_coast_is_as_long_as_its_drag_says);
     RUN_TEST(test_no_thruster_is_driven_beyond_its_limit_where_two_nearly_mirror_each_other);
     RUN_TEST(test_a_long_leg_cruises_at_the_cheapest_speed_past_thrusters_that_hardly_act);
+    RUN_TEST(test_the_price_of_a_leg_does_not_hang_on_the_last_digits_of_its_thrusts);
     RUN_TEST(test_a_piece_whose_thrusts_bend_within_a_fraction_of_a_millisecond_has_a_timeline);
     return UNITY_END();
 }
