@@ -145,7 +145,8 @@ static void add_cost(const ssv_steering_t* s, real_t weight, real_t linear, real
     line[2] -= real_mul(positive ? cost : -cost, quadratic);
 }
 
-// Where these lines meet a = 0, over the speed; while no thruster's sign changes, at `mid` and around, a quadratic in it.
+// Where these lines meet a = 0, over the speed; while no thruster's sign changes, at `mid` and around, a quadratic in it. The one
+// outwards with its sign turned: a law holds where neither is below zero.
 static void tangents(const ssv_steering_t* s, bool up, int law, real_t mid, real_t line[2][3]) {
     const ssv_laws_t* laws = &s->laws;
     real_t c[3];
@@ -173,7 +174,7 @@ static void tangents(const ssv_steering_t* s, bool up, int law, real_t mid, real
     for (int n = 0; n < 3; n++) line[OUTWARDS][n] = -line[OUTWARDS][n];
 }
 
-// A walk along the kinks: the law, and the one it came from, to which it does not return at the same speed.
+// A walk along the kinks: the law, and the one it came from, past which it goes at the same speed.
 typedef struct {
     int law, left;
 } walk_t;
@@ -203,8 +204,8 @@ static bool step(const ssv_steering_t* s, int side, int way, real_t at, real_t v
     return true;
 }
 
-// Where in (at, to) a law's line goes over to the side on which that law holds no longer, else to. A line that is there from the
-// start, because there is no law to step to, comes back first.
+// Where in (at, to) a law's line falls below zero, where that law holds no longer, else to. A line that is there from the start,
+// because there is no law to step to, comes back first.
 static real_t leaves(const real_t line[3], real_t at, real_t to) {
     const real_t here = ssv_quadratic_at(line, at), root = ssv_quadratic_root_after(line, at, to);
     if (here < REAL(0)) return ssv_quadratic_root_after(line, root, to);

@@ -26,8 +26,9 @@ static void test_the_length_of_a_vector_is_as_good_as_its_components(void) {
     for (int n = 0; n < NUM_SIZES * NUM_OF_EACH; n++) {
         const vec3_t a = shorter(task_vector(1), n % NUM_SIZES);
         const long double expected = size_of(a);
-        // Squares, sums and the root are rounded: by a part of the length, in fixed point by a part of the last digit.
-        const long double rounding = 2 * (long double)real_to_double(REAL_EPSILON);
+        // Rounded are three squares, half a digit each, and the root, which makes 1 / (2 * 0.29) of their error: 0.29 is the
+        // shortest that is not scaled. In fixed point that counts in last digits, else in parts of the length.
+        const long double rounding = 3.1L * (long double)real_to_double(REAL_EPSILON);
         const long double allowed = strcmp(REAL_NAME, "fixed") == 0 ? rounding : rounding * expected;
         TEST_ASSERT_TRUE(fabsl((long double)real_to_double(vec3_norm(a)) - expected) <= allowed);
     }
@@ -80,8 +81,9 @@ static double beyond_the_limit_N(const ssv_thrusts_t* thrusts, const ssv_profile
 
 // Two thrusters that mirror each other but for some parts in 100,000, and a third that is at its limit up to where they are.
 static void test_no_thruster_is_driven_beyond_its_limit_where_two_nearly_mirror_each_other(void) {
-    const ssv_rule_t rule = {SSV_OPTIMAL, REAL(0), REAL(1), REAL(0.1), REAL(0)};
-    for (int n = 0; n < NUM_OF_EACH; n++) {
+    static const ssv_ramp_t ramp[] = {SSV_OPTIMAL, SSV_FULL_REVERSE, SSV_DRAG_ONLY};
+    for (int n = 0; n < 3 * NUM_OF_EACH; n++) {
+        const ssv_rule_t rule = {ramp[n % 3], REAL(0.01), REAL(1), REAL(0.1), REAL(0)};
         const double twin = 1 + task_between(-5e-5, 5e-5), third = task_between(15, 30);
         const ssv_thrusts_t thrusts = {
             .accel = {REAL(2.76), real_from_double(-2.76 * twin), real_from_double(-third)},
@@ -89,7 +91,10 @@ static void test_no_thruster_is_driven_beyond_its_limit_where_two_nearly_mirror_
             .quadratic = {REAL(-1.72), REAL(1.72), real_from_double(task_between(-10, -1))},
             .force_max_N = REAL(6)};
         ssv_profile_t profile;
-        TEST_ASSERT_EQUAL(SSV_FEASIBLE, ssv_profile_solve(&thrusts, &rule, real_from_double(task_between(0.5, 5)), &profile));
+        const ssv_outcome_t outcome = ssv_profile_solve(&thrusts, &rule, real_from_double(task_between(0.5, 5)), &profile);
+        // Where the least thrust does not slow it, the vehicle does not drift.
+        TEST_ASSERT_TRUE(outcome == SSV_FEASIBLE || (rule.ramp == SSV_DRAG_ONLY && outcome == SSV_NO_AUTHORITY));
+        if (outcome != SSV_FEASIBLE) continue;
         // A fiftieth of what the timeline may be off.
         TEST_ASSERT_DOUBLE_WITHIN(6e-4, 0, beyond_the_limit_N(&thrusts, &profile));
     }
