@@ -34,6 +34,10 @@
 // that drag takes less than the second off the speed along the whole leg: between such speeds a ramp cannot be walked.
 #define NEXT_TO_NOTHING REAL(1e-7)
 #define KEEPS_SPEED REAL(1e-4)
+// A speed that a scalar with a fixed smallest number rounds to nothing makes a leg longer than this power of two of its own units
+// of time; and the longest plan, in seconds.
+#define EMPTY_EXPONENT 30
+#define LONGEST_PLAN_EXPONENT 15
 // A thrust below this fraction of the limit is none.
 #define NO_THRUST real_max(REAL(1e-11), 16 * REAL_NOISE)
 
@@ -175,6 +179,13 @@ static void meet(leg_t* leg, real_t top) {
     if (leg->cruise < -real_mul(PEAK_TOLERANCE, D)) leg->cruise = cruise_at(leg, leg->peak = low, a);
 }
 
+// Of a leg so slow that this scalar rounds its speed to nothing. It takes longer than 2^EMPTY_EXPONENT of its own units of time.
+// Where that is not longer than the longest plan, only a finer scalar can tell.
+static ssv_outcome_t too_slow(const leg_t* leg) {
+    if (leg->unit.time + EMPTY_EXPONENT < LONGEST_PLAN_EXPONENT) (void)real_div(REAL(1), REAL(0)); // counts as an overflow
+    return SSV_TOO_LONG;
+}
+
 // With one of the paper's ramps. The ramp up serves both.
 static ssv_outcome_t solve_paper(leg_t* leg, ssv_ramp_t ramp) {
     const ssv_laws_t* laws = &leg->steering.laws;
@@ -191,6 +202,7 @@ static ssv_outcome_t solve_paper(leg_t* leg, ssv_ramp_t ramp) {
     if (highest < top && highest <= reverse_from) return SSV_NO_AUTHORITY;
     ssv_ramp_measure(laws, &leg->slow);
     real_t a[2];
+    if (!(highest > REAL(0))) return too_slow(leg);
     leg->peak = highest;
     leg->cruise = cruise_at(leg, highest, a);
     if (leg->cruise < REAL(0)) meet(leg, highest);
@@ -278,6 +290,7 @@ static ssv_outcome_t solve_optimal(leg_t* leg) {
     if (peak > real_mul(NEARLY, cruise)) peak = cruise;
     decide_coasts(leg, peak);
     for (int n = 0; n < MAX_FALSI; n++) {
+        if (!(peak > REAL(0))) return too_slow(leg);
         if (!thrifty_ramps(leg, peak, a)) return SSV_TOO_MANY_PIECES;
         const real_t hold = worth_holding(leg, peak, a);
         const real_t covered = real_sqrt(real_div(leg->distance - leg->cruise + hold, leg->distance));
@@ -299,6 +312,7 @@ static ssv_outcome_t solve_optimal(leg_t* leg) {
             peak = n % 3 == 2 ? half : low + real_mul(high - low, real_div(-low_miss, high_miss - low_miss));
         }
     }
+    if (!(low > REAL(0))) return too_slow(leg);
     return thrifty_ramps(leg, low, a) ? SSV_FEASIBLE : SSV_TOO_MANY_PIECES;
 }
 

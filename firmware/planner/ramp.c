@@ -297,6 +297,7 @@ void ssv_ramp_measure(const ssv_laws_t* laws, ssv_ramp_table_t* ramp) {
 real_t ssv_ramp_acceleration(const ssv_laws_t* laws, const ssv_ramp_table_t* ramp, real_t v) {
     real_t c[3];
     int k = 0;
+    if (ramp->num == 0) return REAL(0);
     while (k + 1 < ramp->num && ssv_ramp_stretch(ramp, k)->v_high < v) k++;
     ssv_ramp_law(laws, ssv_ramp_stretch(ramp, k)->law, c);
     return real_abs(ssv_quadratic_at(c, v));
@@ -305,6 +306,12 @@ real_t ssv_ramp_acceleration(const ssv_laws_t* laws, const ssv_ramp_table_t* ram
 real_t ssv_ramp_reach(const ssv_laws_t* laws, ssv_ramp_table_t* ramp, real_t v, real_t* acceleration) {
     real_t reach = REAL(0), c[3];
     int k = 0;
+    if (ramp->num == 0) {
+        ramp->last = -1;
+        ramp->cut = (ssv_stretch_t){.law = SSV_NO_LAW};
+        *acceleration = REAL(0);
+        return REAL(0);
+    }
     for (; k + 1 < ramp->num && ssv_ramp_stretch(ramp, k)->v_high < v; k++) reach += ssv_ramp_stretch(ramp, k)->m.distance;
     const ssv_stretch_t* stretch = ssv_ramp_stretch(ramp, k);
     ssv_ramp_law(laws, stretch->law, c);
@@ -318,4 +325,4 @@ real_t ssv_ramp_reach(const ssv_laws_t* laws, ssv_ramp_table_t* ramp, real_t v, 
     return reach + ramp->cut.m.distance;
 }
 
-bool ssv_ramp_idles(const ssv_ramp_table_t* ramp) { return side_of(ramp->cut.law) == IDLE; }
+bool ssv_ramp_idles(const ssv_ramp_table_t* ramp) { return ramp->last >= 0 && side_of(ramp->cut.law) == IDLE; }

@@ -20,6 +20,9 @@ typedef struct {
 /// Sets the speed that ramps go up to.
 void ssv_steering_up_to(ssv_steering_t* steering, real_t top);
 
+/// The law of no stretch.
+#define SSV_NO_LAW (-1)
+
 /// A stretch of a ramp under one law, between two speeds.
 typedef struct {
     real_t v_low, v_high;
@@ -27,11 +30,12 @@ typedef struct {
     int law;                           ///< see ssv_ramp_law
 } ssv_stretch_t;
 
-/// A ramp from rest upwards. The stretches lie `step` apart, so that two ramps can grow from both ends of one array.
+/// A ramp from rest upwards. The stretches lie `step` apart, so that two ramps can grow from both ends of one array. A ramp to a
+/// speed of zero is empty: it has no stretch, covers no distance and takes no time.
 typedef struct {
     ssv_stretch_t* first;
     int step, num;
-    int last;                          ///< where it was last looked at: the stretch,
+    int last;                          ///< where it was last looked at: the stretch, -1 of an empty ramp,
     ssv_stretch_t cut;                 ///< and that up to there
 } ssv_ramp_table_t;
 
@@ -57,10 +61,10 @@ ssv_moments_t ssv_ramp_integrals(const real_t law[3], real_t v_low, real_t v_hig
 /// Fills the integrals of all stretches.
 void ssv_ramp_measure(const ssv_laws_t* laws, ssv_ramp_table_t* ramp);
 
-/// |dv/dt| at a speed.
+/// |dv/dt| at a speed; 0 on an empty ramp.
 real_t ssv_ramp_acceleration(const ssv_laws_t* laws, const ssv_ramp_table_t* ramp, real_t v);
 
-/// Distance from rest to v, and |dv/dt| there; keeps the cut there.
+/// Distance from rest to v, and |dv/dt| there; keeps the cut there. Both are 0 on an empty ramp, which has no cut.
 real_t ssv_ramp_reach(const ssv_laws_t* laws, ssv_ramp_table_t* ramp, real_t v, real_t* acceleration);
 
 /// Whether some thruster idles on the ramp where ssv_ramp_reach last looked.

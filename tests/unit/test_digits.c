@@ -5,6 +5,7 @@
 #include "planner/law.h"
 #include "planner/leg.h"
 #include "planner/profile.h"
+#include "planner/ramp.h"
 #include "planner/timeline.h"
 #include "tasks.h"
 #include "unity.h"
@@ -171,6 +172,45 @@ static void test_a_piece_whose_thrusts_bend_within_a_fraction_of_a_millisecond_h
     }
 }
 
+// A leg of one thruster that is asked to cruise so slowly that fixed point rounds its speed to nothing, and the same at the paper's
+// rules with a limit that is rounded to nothing. The IEEE scalars have such speeds and find that the leg takes too long.
+static void test_a_leg_too_slow_for_the_scalar_is_an_honest_outcome(void) {
+    ssv_thrusts_t thrusts = {.force_max_N = REAL(1000)};
+    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+        thrusts.accel[i] = REAL(0.01);
+        thrusts.quadratic[i] = REAL(100000);
+    }
+    const ssv_ramp_t ramps[] = {SSV_OPTIMAL, SSV_FULL_REVERSE, SSV_DRAG_ONLY};
+    for (int k = 0; k < 3; k++) {
+        for (int n = 0; n < 60; n++) {
+            const double size = pow(10, -0.25 * n);
+            const ssv_rule_t rule = {ramps[k], REAL(0.001), real_from_double(1e-2 * size), REAL(1), REAL(0)};
+            thrusts.force_max_N = ramps[k] == SSV_OPTIMAL ? REAL(1000) : real_from_double(1000 * size);
+            ssv_profile_t profile;
+            const uint32_t overflows = real_overflows();
+            const ssv_outcome_t outcome = ssv_profile_solve(&thrusts, &rule, REAL(900), &profile);
+            if (real_overflows() != overflows) continue; // said, not silent
+            TEST_ASSERT_TRUE(outcome == SSV_FEASIBLE || outcome == SSV_TOO_LONG || outcome == SSV_NO_AUTHORITY);
+            if (outcome != SSV_FEASIBLE) continue;
+            TEST_ASSERT_TRUE(profile.num_pieces > 0 && profile.duration_s > REAL(0));
+        }
+    }
+}
+
+// Whoever reads a ramp may be given an empty one, whose stretches hold nothing.
+static void test_an_empty_ramp_covers_no_distance_and_has_no_stretch_to_read(void) {
+    ssv_laws_t laws = {.num = 1, .weight = {REAL(1)}, .limit = {REAL(1)}, .total = REAL(1)};
+    ssv_ramp_table_t ramp = {.first = NULL, .step = 1};
+    real_t a = REAL(7);
+    TEST_ASSERT_TRUE(ssv_ramp_top(&ramp) == REAL(0));
+    TEST_ASSERT_TRUE(ssv_ramp_reach(&laws, &ramp, REAL(1), &a) == REAL(0));
+    TEST_ASSERT_TRUE(a == REAL(0) && ramp.last == -1 && !ssv_ramp_idles(&ramp));
+    TEST_ASSERT_TRUE(ssv_ramp_acceleration(&laws, &ramp, REAL(1)) == REAL(0));
+    ssv_ramp_measure(&laws, &ramp);
+    ssv_ramp_keep_slowing(&laws, &ramp);
+    TEST_ASSERT_EQUAL_INT(0, ramp.num);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_the_length_of_a_vector_is_as_good_as_its_components);
@@ -180,5 +220,7 @@ int main(void) {
     RUN_TEST(test_a_long_leg_cruises_at_the_cheapest_speed_past_thrusters_that_hardly_act);
     RUN_TEST(test_the_price_of_a_leg_does_not_hang_on_the_last_digits_of_its_thrusts);
     RUN_TEST(test_a_piece_whose_thrusts_bend_within_a_fraction_of_a_millisecond_has_a_timeline);
+    RUN_TEST(test_a_leg_too_slow_for_the_scalar_is_an_honest_outcome);
+    RUN_TEST(test_an_empty_ramp_covers_no_distance_and_has_no_stretch_to_read);
     return UNITY_END();
 }
