@@ -126,7 +126,8 @@ static const char* string_at(reader_t* reader, const node_t* object, const char*
     return text == NULL ? "" : text;
 }
 
-static void numbers_at(reader_t* reader, const node_t* object, const char* key, size_t count, sign_t sign, double* out) {
+static void numbers_at(reader_t* reader, const node_t* object, const char* key, size_t count, sign_t sign,
+                       double* out) {
     const node_t node = member(reader, object, key);
     const size_t n = length(reader, &node, count);
     if (node.json != NULL && n != count) {
@@ -201,7 +202,8 @@ static void read_task(reader_t* reader, const node_t* scenario, plan_file_t* pla
 /// The choice must be one that the scenario leaves open, else the plan answers another question.
 static void read_choice(reader_t* reader, const node_t* root, const node_t* scenario, plan_file_t* plan) {
     const node_t choice = member(reader, root, "choice");
-    const long long contact = integer_at(reader, &choice, "beam_contact"), asked = integer_at(reader, scenario, "contact");
+    const long long contact = integer_at(reader, &choice, "beam_contact"),
+                    asked = integer_at(reader, scenario, "contact");
     if (contact != 1 && contact != 2) {
         fail(reader, "choice.beam_contact", "%lld is neither 1 nor 2", contact);
     }
@@ -222,7 +224,8 @@ static void read_choice(reader_t* reader, const node_t* root, const node_t* scen
         fail(reader, "choice.attach_height_m", "%.9g is not among scenario.attach_heights_m", h);
     }
     if (fabs(h) > plan->beam.length_m / 2 + 1e-9) {
-        fail(reader, "choice.attach_height_m", "%.9g is off the beam, which ends at +-%.9g", h, plan->beam.length_m / 2);
+        fail(reader, "choice.attach_height_m", "%.9g is off the beam, which ends at +-%.9g", h,
+             plan->beam.length_m / 2);
     }
     plan->attach_height_m = h;
 
@@ -231,15 +234,15 @@ static void read_choice(reader_t* reader, const node_t* root, const node_t* scen
     if (ring.json != NULL && !json_is_null(ring.json)) {
         const double asked_rad = number(reader, &ring, ANY);
         if (fabs(remainder(plan->ring_angle_rad - asked_rad, 2 * PI)) > 1e-9) {
-            fail(reader, "choice.ring_angle_rad", "%.9g is not the %.9g of scenario.ring_angle_rad", plan->ring_angle_rad,
-                 asked_rad);
+            fail(reader, "choice.ring_angle_rad", "%.9g is not the %.9g of scenario.ring_angle_rad",
+                 plan->ring_angle_rad, asked_rad);
         }
     }
 }
 
 /// Where an event falls: how many segments end at or before it. An event within a segment is refused.
-static size_t segments_before(reader_t* reader, const node_t* events, size_t index, const char* kind, const double* end_s,
-                              size_t num_segments) {
+static size_t segments_before(reader_t* reader, const node_t* events, size_t index, const char* kind,
+                              const double* end_s, size_t num_segments) {
     const node_t event = element(events, index);
     if (strcmp(string_at(reader, &event, "kind"), kind) != 0) {
         fail(reader, event.path, "must be of kind \"%s\": a plan mates, then docks", kind);
@@ -273,7 +276,8 @@ static void read_timeline(reader_t* reader, const node_t* root, plan_file_t* pla
         const node_t segment = element(&segments, i);
         const double t_s = number_at(reader, &segment, "t_s", NOT_NEGATIVE), expected_s = i == 0 ? 0 : end_s[i - 1];
         if (fabs(t_s - expected_s) > PLAN_TIME_TOLERANCE_S) {
-            fail(reader, segment.path, "starts at t_s %.9g, must start at %.9g where the one before ends", t_s, expected_s);
+            fail(reader, segment.path, "starts at t_s %.9g, must start at %.9g where the one before ends", t_s,
+                 expected_s);
         }
         plan->segment[i].duration_s = number_at(reader, &segment, "duration_s", NOT_NEGATIVE);
         if (!(plan->segment[i].duration_s > 0)) {
@@ -371,8 +375,8 @@ bool plan_file_read(const char* path, plan_file_t* plan, char* error, size_t err
     json_t* json = json_loadb(text, size, JSON_REJECT_DUPLICATES, &where);
     free(text);
     if (json == NULL) {
-        fail(&reader, "", "line %d, column %d: not a plan in JSON, as `ssv plan --format json` writes it: %s", where.line,
-             where.column, where.text);
+        fail(&reader, "", "line %d, column %d: not a plan in JSON, as `ssv plan --format json` writes it: %s",
+             where.line, where.column, where.text);
         return false;
     }
     read_plan(&reader, json, plan);

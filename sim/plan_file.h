@@ -1,7 +1,8 @@
 /// Reads a plan as `ssv plan --format json` writes it, and checks every number before anything flies on it.
 ///
-/// A plan file stands by itself: it carries the question (`scenario`), the choice, what the planner claims (`cost`) and the
-/// thrusts (`timeline`). Only those are read; the poses that the planner claims to reach are not, as the task decides.
+/// A plan file stands by itself: it carries the question (`scenario`), the choice, what the planner claims (`cost`) and
+/// the thrusts (`timeline`). Only those are read; the poses that the planner claims to reach are not, as the task
+/// decides.
 #ifndef SIM_PLAN_FILE_H
 #define SIM_PLAN_FILE_H
 
@@ -28,14 +29,14 @@ typedef struct {
     rb_body_t vehicle, beam;
     double force_max_N;
     rb_thruster_t thruster[PLAN_THRUSTERS];
-    rb_pose_t X_IS, X_IB;         ///< vehicle and beam at the start, at rest
-    double p_IP_m[3], axis_I[3];  ///< port, and its unit axis out of the hub
-    double standoff_m;            ///< vehicle centre to beam axis when mated
+    rb_pose_t X_IS, X_IB;        ///< vehicle and beam at the start, at rest
+    double p_IP_m[3], axis_I[3]; ///< port, and its unit axis out of the hub
+    double standoff_m;           ///< vehicle centre to beam axis when mated
 
     // the choice, one that the scenario permits
-    int contact;                  ///< 1 at z = -length/2 of the beam, 2 at +length/2
-    double attach_height_m;       ///< where along the beam's z the vehicle mates
-    double ring_angle_rad;        ///< on which side, about z from x
+    int contact;            ///< 1 at z = -length/2 of the beam, 2 at +length/2
+    double attach_height_m; ///< where along the beam's z the vehicle mates
+    double ring_angle_rad;  ///< on which side, about z from x
 
     // the claims
     double time_s, impulse_Ns;
@@ -46,8 +47,8 @@ typedef struct {
 } plan_file_t;
 
 /// @param path file, or "-" for standard input.
-/// @return whether *plan holds a plan; then free it with `plan_file_free`. If not, error says what is wrong, where, and what
-/// would be right.
+/// @return whether *plan holds a plan; then free it with `plan_file_free`. If not, error says what is wrong, where, and
+/// what would be right.
 bool plan_file_read(const char* path, plan_file_t* plan, char* error, size_t error_size);
 
 void plan_file_free(plan_file_t* plan);

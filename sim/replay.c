@@ -35,8 +35,8 @@ static replay_arrival_t arrival_at_mate(const plan_file_t* plan, const rb_state_
     double ahead_I[3], inward_I[3];
     rb_rotate(vehicle->eta.q, ahead_S, ahead_I);
     rb_rotate(plan->X_IB.q, inward_B, inward_I);
-    const replay_arrival_t r = {1000 * distance(vehicle->eta.p_m, ideal.p_m), DEG_PER_RAD * angle_rad(ahead_I, inward_I),
-                                norm(vehicle->nu), norm(vehicle->nu + 3)};
+    const replay_arrival_t r = {1000 * distance(vehicle->eta.p_m, ideal.p_m),
+                                DEG_PER_RAD * angle_rad(ahead_I, inward_I), norm(vehicle->nu), norm(vehicle->nu + 3)};
     return r;
 }
 
@@ -51,7 +51,8 @@ static replay_arrival_t arrival_at_dock(const plan_file_t* plan, const rb_state_
     for (int i = 0; i < 3; i++) {
         contact_velocity[i] += vehicle->nu[i];
     }
-    const replay_arrival_t r = {1000 * distance(contact.p_m, plan->p_IP_m), DEG_PER_RAD * angle_rad(outward_I, into_port_I),
+    const replay_arrival_t r = {1000 * distance(contact.p_m, plan->p_IP_m),
+                                DEG_PER_RAD * angle_rad(outward_I, into_port_I),
                                 fmax(norm(vehicle->nu), norm(contact_velocity)), norm(vehicle->nu + 3)};
     return r;
 }

@@ -18,17 +18,17 @@ typedef struct {
     /// Vehicle against the mating place (at the standoff from the beam's axis, at the chosen height and ring angle, +x
     /// towards the axis, roll free), just before it takes hold.
     replay_arrival_t mate;
-    /// Beam against the port (chosen contact point on it, outward axis there against the port's, roll free); the speed is
-    /// the larger of that of the contact point and that of the vehicle.
+    /// Beam against the port (chosen contact point on it, outward axis there against the port's, roll free); the speed
+    /// is the larger of that of the contact point and that of the vehicle.
     replay_arrival_t dock;
-    double thrust_ratio;          ///< largest |thrust| over force_max_N
-    double impulse_Ns;            ///< integral of the sum of |thrust|
-    double time_s;                ///< end of the timeline
+    double thrust_ratio; ///< largest |thrust| over force_max_N
+    double impulse_Ns;   ///< integral of the sum of |thrust|
+    double time_s;       ///< end of the timeline
     rb_pose_t vehicle_end, beam_end;
 } replay_flight_t;
 
-/// Flies with Runge-Kutta steps of at most step_s, which end on the borders of the segments. At the mate the beam joins as
-/// it lies, errors and all, and takes its share of the momentum.
+/// Flies with Runge-Kutta steps of at most step_s, which end on the borders of the segments. At the mate the beam joins
+/// as it lies, errors and all, and takes its share of the momentum.
 void replay_fly(const plan_file_t* plan, double step_s, replay_flight_t* flight);
 
 /// Flies with half the step and half again, until that moves the end of the flight by less than 1e-6 m and 1e-6 rad.

@@ -286,12 +286,13 @@ static void add_scaled(rb_state_t* state, double dt_s, const rb_state_t* rate) {
     for (int i = 0; i < 6; i++) {
         state->nu[i] += dt_s * rate->nu[i];
     }
-    // Off the unit sphere R(q) would scale velocities. Projecting every trial amounts to a right-hand side that takes q/|q|,
-    // so the order stays.
+    // Off the unit sphere R(q) would scale velocities. Projecting every trial amounts to a right-hand side that takes
+    // q/|q|, so the order stays.
     normalise(state->eta.q);
 }
 
-void rb_step(const rb_craft_t* craft, rb_state_t* state, const double tau_start[6], const double tau_end[6], double dt_s) {
+void rb_step(const rb_craft_t* craft, rb_state_t* state, const double tau_start[6], const double tau_end[6],
+             double dt_s) {
     double tau_middle[6];
     for (int i = 0; i < 6; i++) {
         tau_middle[i] = (tau_start[i] + tau_end[i]) / 2;

@@ -1,11 +1,11 @@
-/// Rigid bodies in still water, in six degrees of freedom: the physics that judges plans, written from Newton, Kirchhoff
-/// and strip theory and from nothing of the planner. Symbols of Fossen, Handbook of Marine Craft Hydrodynamics and Motion
-/// Control.
+/// Rigid bodies in still water, in six degrees of freedom: the physics that judges plans, written from Newton,
+/// Kirchhoff and strip theory and from nothing of the planner. Symbols of Fossen, Handbook of Marine Craft
+/// Hydrodynamics and Motion Control.
 ///
-/// Frames: {n} is inertial (I elsewhere); {b} is fixed in the craft, origin at the centre of mass of its first body, the
-/// vehicle (S elsewhere). eta = (p, q) is the pose of {b} in {n}, nu = [v; w] the velocity of {b}'s origin and the turning
-/// rate, in axes of {b}; tau = [force; moment about {b}'s origin], in axes of {b}. SI units. Quaternions are scalar first
-/// and take coordinates in {b} to coordinates in {n}.
+/// Frames: {n} is inertial (I elsewhere); {b} is fixed in the craft, origin at the centre of mass of its first body,
+/// the vehicle (S elsewhere). eta = (p, q) is the pose of {b} in {n}, nu = [v; w] the velocity of {b}'s origin and the
+/// turning rate, in axes of {b}; tau = [force; moment about {b}'s origin], in axes of {b}. SI units. Quaternions are
+/// scalar first and take coordinates in {b} to coordinates in {n}.
 ///
 ///     M nu' + C(nu) nu + D(nu) nu = tau,    as Kirchhoff wrote it: with momentum [P; H] = M nu,
 ///     P' + w x P = F,    H' + w x H + v x P = M
@@ -19,13 +19,13 @@
 typedef struct {
     double mass_kg;
     double inertia_kg_m2[3];
-    double added_mass_kg[3];      ///< water moved along with motion along x, y, z
-    double drag_lin_kg_s;         ///< force -(drag_lin + drag_quad |v|) v at the centre of mass
+    double added_mass_kg[3]; ///< water moved along with motion along x, y, z
+    double drag_lin_kg_s;    ///< force -(drag_lin + drag_quad |v|) v at the centre of mass
     double drag_quad_kg_m;
-    double drag_lin_ang_Nm_s;     ///< moment -(drag_lin_ang + drag_quad_ang |w|) w
+    double drag_lin_ang_Nm_s; ///< moment -(drag_lin_ang + drag_quad_ang |w|) w
     double drag_quad_ang_Nm_s2;
-    double strip_kg_m2;           ///< [N/(m/s)2 per m] each metre of a tube along z feels -strip |v| v, v across z
-    double length_m;              ///< of that tube, centred; unused when strip_kg_m2 is 0
+    double strip_kg_m2; ///< [N/(m/s)2 per m] each metre of a tube along z feels -strip |v| v, v across z
+    double length_m;    ///< of that tube, centred; unused when strip_kg_m2 is 0
 } rb_body_t;
 
 typedef struct {
@@ -37,9 +37,9 @@ typedef struct {
 typedef struct {
     int num_bodies;
     rb_body_t body[2];
-    rb_pose_t X_b[2];             ///< pose of each body in {b}; the first is the identity
-    double M[6][6];               ///< mass matrix about {b}'s origin, added mass included
-    double M_chol[6][6];          ///< its lower Cholesky factor
+    rb_pose_t X_b[2];    ///< pose of each body in {b}; the first is the identity
+    double M[6][6];      ///< mass matrix about {b}'s origin, added mass included
+    double M_chol[6][6]; ///< its lower Cholesky factor
 } rb_craft_t;
 
 typedef struct {
@@ -48,8 +48,8 @@ typedef struct {
 } rb_state_t;
 
 typedef struct {
-    double r_m[3];                ///< position in {b}
-    double n[3];                  ///< unit direction of positive force in {b}
+    double r_m[3]; ///< position in {b}
+    double n[3];   ///< unit direction of positive force in {b}
 } rb_thruster_t;
 
 void rb_craft_alone(rb_craft_t* craft, const rb_body_t* body);
@@ -60,7 +60,8 @@ void rb_craft_joined(rb_craft_t* craft, const rb_body_t* first, const rb_body_t*
 /// Momentum [P; H] = M nu, H about {b}'s origin.
 void rb_momentum(const rb_craft_t* craft, const double nu[6], double momentum[6]);
 
-/// The inverse: nu = M^-1 [P; H]. A plastic impact is this, with the joined craft and the momentum of both bodies before.
+/// The inverse: nu = M^-1 [P; H]. A plastic impact is this, with the joined craft and the momentum of both bodies
+/// before.
 void rb_velocity(const rb_craft_t* craft, const double momentum[6], double nu[6]);
 
 /// Wrench of the water on the moving craft (without added mass, which is in M): -D(nu) nu.
@@ -73,7 +74,8 @@ void rb_thrust(int num_thrusters, const rb_thruster_t* thruster, const double* u
 void rb_acceleration(const rb_craft_t* craft, const double nu[6], const double tau[6], double nu_rate[6]);
 
 /// One Runge-Kutta step of fourth order under a wrench that runs on a straight line from tau_start to tau_end.
-void rb_step(const rb_craft_t* craft, rb_state_t* state, const double tau_start[6], const double tau_end[6], double dt_s);
+void rb_step(const rb_craft_t* craft, rb_state_t* state, const double tau_start[6], const double tau_end[6],
+             double dt_s);
 
 /// c = a x b; c may be a or b.
 void rb_cross(const double a[3], const double b[3], double c[3]);

@@ -16,7 +16,8 @@ const char* argp_program_version = "ssv-replay " SIM_VERSION;
 
 static const char DOC[] =
     "Flies a plan open loop in independent 6-DOF physics and prints how far from the task it mates and docks.\v"
-    "PLAN.json is what `ssv plan --format json` writes; - reads it from standard input. The physics knows bodies, drag and "
+    "PLAN.json is what `ssv plan --format json` writes; - reads it from standard input. The physics knows bodies, drag "
+    "and "
     "thrusters from the plan's scenario and nothing of the planner. The beam joins at the mate event as it lies.\n\n"
     "Examples:\n"
     "  ssv plan paper_case.yaml --format json | ssv-replay -\n"
@@ -41,44 +42,47 @@ typedef struct {
 static error_t parse_argument(int key, char* value, struct argp_state* state) {
     arguments_t* arguments = state->input;
     switch (key) {
-    case 'f':
-        if (strcmp(value, "table") != 0 && strcmp(value, "json") != 0) {
-            argp_error(state, "--format is table or json, not %s", value);
-        }
-        arguments->json = strcmp(value, "json") == 0;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (arguments->plan != NULL) {
-            argp_error(state, "one plan at a time, please: %s is too many", value);
-        }
-        arguments->plan = value;
-        return 0;
-    case ARGP_KEY_END:
-        if (arguments->plan == NULL) {
-            argp_error(state, "which plan? Give PLAN.json, or - for standard input");
-        }
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+        case 'f':
+            if (strcmp(value, "table") != 0 && strcmp(value, "json") != 0) {
+                argp_error(state, "--format is table or json, not %s", value);
+            }
+            arguments->json = strcmp(value, "json") == 0;
+            return 0;
+        case ARGP_KEY_ARG:
+            if (arguments->plan != NULL) {
+                argp_error(state, "one plan at a time, please: %s is too many", value);
+            }
+            arguments->plan = value;
+            return 0;
+        case ARGP_KEY_END:
+            if (arguments->plan == NULL) {
+                argp_error(state, "which plan? Give PLAN.json, or - for standard input");
+            }
+            return 0;
+        default: return ARGP_ERR_UNKNOWN;
     }
 }
 
 /// One judged figure; table, JSON and verdict all read this.
 typedef struct {
     const char* group;
-    const char* name;             ///< of its key in JSON, unit included
+    const char* name; ///< of its key in JSON, unit included
     double value, limit;
 } figure_t;
 
 enum { NUM_FIGURES = 11, ARRIVAL_FIGURES = 4 };
 
 static void judge(const plan_file_t* plan, const replay_flight_t* flight, figure_t figure[NUM_FIGURES]) {
-    static const struct { const char* name; double limit; } arrival[ARRIVAL_FIGURES] = {
+    static const struct {
+        const char* name;
+        double limit;
+    } arrival[ARRIVAL_FIGURES] = {
         {"position_error_mm", 5}, {"pointing_error_deg", 0.5}, {"speed_m_s", 1e-4}, {"rate_rad_s", 1e-4}};
     const replay_arrival_t* at[2] = {&flight->mate, &flight->dock};
     size_t n = 0;
     for (size_t e = 0; e < 2; e++) {
-        const double value[ARRIVAL_FIGURES] = {at[e]->position_mm, at[e]->pointing_deg, at[e]->speed_m_s, at[e]->rate_rad_s};
+        const double value[ARRIVAL_FIGURES] = {at[e]->position_mm, at[e]->pointing_deg, at[e]->speed_m_s,
+                                               at[e]->rate_rad_s};
         for (size_t i = 0; i < ARRIVAL_FIGURES; i++) {
             figure[n++] = (figure_t){e == 0 ? "mate" : "dock", arrival[i].name, value[i], arrival[i].limit};
         }
@@ -95,7 +99,10 @@ static bool within(const figure_t* figure) { return fabs(figure->value) <= figur
 
 static bool print_table(const plan_file_t* plan, const replay_flight_t* flight, const figure_t* figure, double step_s,
                         double halving_m, double halving_rad) {
-    static const struct { const char* label; const char* unit; } row[ARRIVAL_FIGURES] = {
+    static const struct {
+        const char* label;
+        const char* unit;
+    } row[ARRIVAL_FIGURES] = {
         {"position error", "mm"}, {"pointing error", "deg"}, {"residual speed", "m/s"}, {"residual rate", "rad/s"}};
     const figure_t* thrust = &figure[2 * ARRIVAL_FIGURES];
     const figure_t* impulse = thrust + 1;
@@ -104,7 +111,8 @@ static bool print_table(const plan_file_t* plan, const replay_flight_t* flight, 
     printf("  %-16s %12s %12s %12s\n", "", "at mate", "at dock", "limit");
     for (size_t i = 0; i < ARRIVAL_FIGURES; i++) {
         printf("  %-16s %12.4g %12.4g %12g %-6s%s\n", row[i].label, figure[i].value, figure[ARRIVAL_FIGURES + i].value,
-               figure[i].limit, row[i].unit, within(&figure[i]) && within(&figure[ARRIVAL_FIGURES + i]) ? "" : " OUTSIDE");
+               figure[i].limit, row[i].unit,
+               within(&figure[i]) && within(&figure[ARRIVAL_FIGURES + i]) ? "" : " OUTSIDE");
     }
     printf("\n  %-16s %12s %12s %12s\n", "", "flown", "planned", "difference");
     printf("  %-16s %12.9f %12s %12s of F_MAX%s\n", "largest thrust", thrust->value, "<= 1", "",
@@ -120,13 +128,12 @@ static bool print_table(const plan_file_t* plan, const replay_flight_t* flight, 
 static bool print_json(const plan_file_t* plan, const replay_flight_t* flight, const figure_t* figure, bool all_within,
                        double step_s, double halving_m, double halving_rad) {
     json_t* outside = json_array();
-    json_t* root = json_pack("{s:I, s:b, s:o, s:{}, s:{}, s:{}, s:{s:f, s:f}, s:{s:f, s:f}, s:{s:f, s:f, s:f}}",
-                             "request_id", (json_int_t)plan->request_id, "within_tolerances", all_within, "outside", outside,
-                             "mate", "dock", "thrust",
-                             "impulse", "flown_Ns", flight->impulse_Ns, "planned_Ns", plan->impulse_Ns,
-                             "time", "flown_s", flight->time_s, "planned_s", plan->time_s,
-                             "integration", "step_s", step_s, "halving_moved_m", halving_m,
-                             "halving_turned_rad", halving_rad);
+    json_t* root =
+        json_pack("{s:I, s:b, s:o, s:{}, s:{}, s:{}, s:{s:f, s:f}, s:{s:f, s:f}, s:{s:f, s:f, s:f}}", "request_id",
+                  (json_int_t)plan->request_id, "within_tolerances", all_within, "outside", outside, "mate", "dock",
+                  "thrust", "impulse", "flown_Ns", flight->impulse_Ns, "planned_Ns", plan->impulse_Ns, "time",
+                  "flown_s", flight->time_s, "planned_s", plan->time_s, "integration", "step_s", step_s,
+                  "halving_moved_m", halving_m, "halving_turned_rad", halving_rad);
     for (size_t i = 0; i < NUM_FIGURES; i++) {
         json_object_set_new(json_object_get(root, figure[i].group), figure[i].name, json_real(figure[i].value));
         if (!within(&figure[i])) {

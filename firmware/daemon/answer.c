@@ -131,7 +131,8 @@ static void reason_add_field(char* reason, const char* field, int index) {
 }
 
 static void reason_add_overflow(char* reason) {
-    reason_add(reason, "a number does not fit the planner's arithmetic, " REAL_NAME "; ask a planner that computes in double");
+    reason_add(reason,
+               "a number does not fit the planner's arithmetic, " REAL_NAME "; ask a planner that computes in double");
 }
 
 /// The fault in words: where, what, and what would be right.
@@ -145,22 +146,15 @@ static void reason_add_fault(char* reason, const ssv_fault_t* fault) {
             // printf would show the sign of a NaN, which means nothing.
             reason_add(reason, ": %s is not a finite number", isnan(value) ? "nan" : value < 0 ? "-inf" : "inf");
             break;
-        case SSV_E_RANGE:
-            reason_add(reason, ": %.9g is outside its range [%.9g, %.9g]", value, min, max);
-            break;
+        case SSV_E_RANGE: reason_add(reason, ": %.9g is outside its range [%.9g, %.9g]", value, min, max); break;
         case SSV_E_NOT_UNIT:
             reason_add(reason, ": length %.9g is not 1 within %.3g", value, real_to_double(SSV_UNIT_TOLERANCE));
             break;
-        case SSV_E_SINGULAR:
-            reason_add(reason, ": placed so that they cannot hold every force and moment");
-            break;
-        case SSV_E_WEIGHTS:
-            reason_add(reason, ": both are zero, one must be positive");
-            break;
+        case SSV_E_SINGULAR: reason_add(reason, ": placed so that they cannot hold every force and moment"); break;
+        case SSV_E_WEIGHTS: reason_add(reason, ": both are zero, one must be positive"); break;
         case SSV_OK:
         case SSV_INFEASIBLE:
-        case SSV_NUMERIC_OVERFLOW:
-            break;
+        case SSV_NUMERIC_OVERFLOW: break;
     }
 }
 

@@ -27,12 +27,12 @@
 #define STATUS_PERIOD_US INT64_C(1000000)
 /// Answers kept for repeated request ids.
 #define STORE_SIZE 256
-/// Questions waiting for their turn. No more than STORE_SIZE, so that the answer to an id that waits here twice is still
-/// stored when the second one's turn comes.
+/// Questions waiting for their turn. No more than STORE_SIZE, so that the answer to an id that waits here twice is
+/// still stored when the second one's turn comes.
 #define PENDING_SIZE 256
 /// Questions of each kind that liblcm holds for us beyond those; when that is full too it drops the newest.
 #define LCM_QUEUE_SIZE 1024
-#define ANSWER_BYTES_MAX                                                                                                 \
+#define ANSWER_BYTES_MAX                                                                                               \
     (SSV_QUOTE_BATCH_BYTES_MAX > SSV_PLAN_BYTES_MAX ? SSV_QUOTE_BATCH_BYTES_MAX : SSV_PLAN_BYTES_MAX)
 
 enum { EXIT_LCM = 4 };
@@ -55,24 +55,25 @@ typedef struct {
     bool valid; // one of them at least
 } pending_t;
 
-/// Everything the daemon knows: some 17 MB, static, so that no message makes it allocate; most of that is never touched.
+/// Everything the daemon knows: some 17 MB, static, so that no message makes it allocate; most of that is never
+/// touched.
 typedef struct {
     lcm_t* lcm;
     lcm_subscription_t *scenario_subscription, *batch_subscription;
     int signal_fd;
     int64_t started_us, next_status_us;
-    int64_t newest_epoch_us;          // of the valid questions; 0 accepts any
+    int64_t newest_epoch_us; // of the valid questions; 0 accepts any
     int64_t publish_failures;
-    int64_t undecodable_reported;     // status.rejected_undecodable when the log last spoke of it
-    lcm_ssv_planner_status_t status;  // its counters are ours
-    pending_t pending[PENDING_SIZE];  // ring
+    int64_t undecodable_reported;    // status.rejected_undecodable when the log last spoke of it
+    lcm_ssv_planner_status_t status; // its counters are ours
+    pending_t pending[PENDING_SIZE]; // ring
     int pending_first, pending_count;
-    stored_t store[STORE_SIZE];       // ring
+    stored_t store[STORE_SIZE]; // ring
     int store_next;
     ssv_answer_t answer;
     ssv_batch_answer_t quotes;
-    bool quoting;                     // the first of those that wait is a batch of which some are priced
-    int64_t quoting_us;               // spent on it so far
+    bool quoting;       // the first of those that wait is a batch of which some are priced
+    int64_t quoting_us; // spent on it so far
     uint8_t status_bytes[512];
 } plannerd_t;
 
@@ -85,8 +86,8 @@ static int64_t now_us(void) {
 static void publish(plannerd_t* self, const char* channel, const uint8_t* bytes, int size) {
     if (lcm_publish(self->lcm, channel, bytes, (unsigned)size) != 0) {
         self->publish_failures++;
-        log_line(LOG_WARN, "cannot send %d bytes on %s: %s (%" PRId64 " failures so far)", size, channel, strerror(errno),
-                 self->publish_failures);
+        log_line(LOG_WARN, "cannot send %d bytes on %s: %s (%" PRId64 " failures so far)", size, channel,
+                 strerror(errno), self->publish_failures);
     }
 }
 
@@ -159,8 +160,8 @@ static void on_question(const lcm_recv_buf_t* datagram, const char* channel, voi
     self->pending_count++;
 }
 
-/// Moves what liblcm holds into our ring. Bounded also where nothing stays in the ring: datagrams that are no questions may
-/// come faster than they go. @return false when the transport is gone.
+/// Moves what liblcm holds into our ring. Bounded also where nothing stays in the ring: datagrams that are no questions
+/// may come faster than they go. @return false when the transport is gone.
 static bool drain(plannerd_t* self) {
     int handled = 1;
     for (int i = 0; i < LCM_QUEUE_SIZE && self->pending_count < PENDING_SIZE && handled > 0; i++) {
@@ -223,7 +224,8 @@ static void plan_new(plannerd_t* self, const pending_t* next) {
         log_line(LOG_INFO, "scenario %" PRId64 ": %s after %.3f ms: %s", question->request_id,
                  outcome == SSV_INFEASIBLE ? "infeasible" : "numeric overflow", plan_ms, quote->reason);
     } else {
-        log_line(LOG_INFO, "scenario %" PRId64 ": ok, J %.6g, %.6g s, %.6g N s, %d segments, %d bytes, planned in %.3f ms",
+        log_line(LOG_INFO,
+                 "scenario %" PRId64 ": ok, J %.6g, %.6g s, %.6g N s, %d segments, %d bytes, planned in %.3f ms",
                  question->request_id, quote->cost, quote->time_s, quote->impulse_Ns, wire->num_segments,
                  lcm_ssv_plan_t_encoded_size(wire), plan_ms);
     }
@@ -244,8 +246,8 @@ static void log_quotes(const plannerd_t* self) {
                                                                       : "numeric overflow",
                  quote->reason);
     }
-    log_line(LOG_INFO, "batch %" PRId64 ": %d of %d scenarios ok, %d bytes, priced in %.3f ms", wire->request_id, num_ok,
-             wire->num_quotes, lcm_ssv_quote_batch_t_encoded_size(wire), (double)self->quoting_us / 1e3);
+    log_line(LOG_INFO, "batch %" PRId64 ": %d of %d scenarios ok, %d bytes, priced in %.3f ms", wire->request_id,
+             num_ok, wire->num_quotes, lcm_ssv_quote_batch_t_encoded_size(wire), (double)self->quoting_us / 1e3);
 }
 
 /// Prices the next scenario of a batch that was not answered before. @return whether that was the last one.
@@ -361,7 +363,8 @@ static void wait_for_work(const plannerd_t* self) {
     poll(fds, 2, wait_us > 0 ? (int)(wait_us / 1000) + 1 : 0);
 }
 
-/// One scenario per turn, and between any two of them new arrivals, the clock and signals get theirs. @return the exit code.
+/// One scenario per turn, and between any two of them new arrivals, the clock and signals get theirs. @return the exit
+/// code.
 static int serve(plannerd_t* self) {
     while (!asked_to_stop(self)) {
         if (!drain(self)) {
@@ -414,12 +417,16 @@ typedef struct {
 } options_t;
 
 static const char manual[] =
-    "The onboard planner: answers every scenario on LCM channel " CHANNEL_SCENARIO " with a plan, or the reason why there "
+    "The onboard planner: answers every scenario on LCM channel " CHANNEL_SCENARIO
+    " with a plan, or the reason why there "
     "is none, on " CHANNEL_PLAN ", every batch of scenarios on " CHANNEL_BATCH " with their prices on " CHANNEL_QUOTES
-    ", and gives a sign of life with counters on " CHANNEL_STATUS " once a second."
+    ", and gives a sign of life with counters on " CHANNEL_STATUS
+    " once a second."
     "\v"
-    "Each request id is answered once; a repeated id gets the same bytes again, as long as its answer is among the last "
-    "256. The newest planning epoch wins: a new question older than the newest valid one seen is refused. Waiting questions "
+    "Each request id is answered once; a repeated id gets the same bytes again, as long as its answer is among the "
+    "last "
+    "256. The newest planning epoch wins: a new question older than the newest valid one seen is refused. Waiting "
+    "questions "
     "are answered in the order of arrival. The log goes to standard error, one line per answer.\n\n"
     "LCM's own default URL is udpm://239.255.76.67:7667?ttl=0, this machine only; it needs a multicast route, e.g. "
     "`sudo ip route add 224.0.0.0/4 dev lo`.\n\n"
@@ -458,7 +465,9 @@ int main(int argc, char** argv) {
     log_set_verbose(options.verbose);
 
     const char* default_url = getenv("LCM_DEFAULT_URL");
-    const char* url = options.lcm_url != NULL ? options.lcm_url : default_url != NULL ? default_url : "LCM's default URL";
+    const char* url = options.lcm_url != NULL ? options.lcm_url
+                      : default_url != NULL   ? default_url
+                                              : "LCM's default URL";
     if (!open_signals(&self)) {
         log_line(LOG_ERROR, "cannot receive signals: %s", strerror(errno));
         return EXIT_FAILURE;
@@ -466,7 +475,8 @@ int main(int argc, char** argv) {
     if (!open_lcm(&self, options.lcm_url)) {
         log_line(LOG_ERROR,
                  "cannot open LCM at %s. If the machine has no multicast route, add one: "
-                 "`sudo ip route add 224.0.0.0/4 dev lo`; or name another provider with --lcm-url", url);
+                 "`sudo ip route add 224.0.0.0/4 dev lo`; or name another provider with --lcm-url",
+                 url);
         return EXIT_LCM;
     }
     self.started_us = now_us();
@@ -478,15 +488,17 @@ int main(int argc, char** argv) {
     self.status.scenario_batch_type_hash = __lcm_ssv_scenario_batch_t_get_hash();
     self.status.quote_batch_type_hash = __lcm_ssv_quote_batch_t_get_hash();
     self.status.planner_status_type_hash = __lcm_ssv_planner_status_t_get_hash();
-    log_line(LOG_INFO, "ssv-plannerd " SSV_VERSION " (" REAL_NAME ") listens for " CHANNEL_SCENARIO " and " CHANNEL_BATCH
-             " at %s", url);
+    log_line(LOG_INFO,
+             "ssv-plannerd " SSV_VERSION " (" REAL_NAME ") listens for " CHANNEL_SCENARIO " and " CHANNEL_BATCH
+             " at %s",
+             url);
 
     const int code = serve(&self);
     log_line(LOG_INFO,
              "stops: %" PRId64 " received, %" PRId64 " planned, %" PRId64 " quoted, %" PRId64 " infeasible, %" PRId64
              " repeated, worst planning time %.3f ms",
-             self.status.received, self.status.accepted, self.status.quoted, self.status.infeasible, self.status.repeated,
-             (double)self.status.worst_plan_us / 1e3);
+             self.status.received, self.status.accepted, self.status.quoted, self.status.infeasible,
+             self.status.repeated, (double)self.status.worst_plan_us / 1e3);
     lcm_destroy(self.lcm);
     close(self.signal_fd);
     return code;

@@ -54,7 +54,11 @@ ssv_status_t ssv_alloc_init(const ssv_vehicle_t* vehicle, ssv_allocation_t* allo
     for (int i = 0; i < N; i++) {
         const vec3_t n = vehicle->thruster[i].n_T_S;
         const vec3_t m = vec3_cross(vehicle->thruster[i].p_ST_m, n);
-        const real_t column[N] = {n.x, n.y, n.z, real_div(m.x, vehicle->radius_m), real_div(m.y, vehicle->radius_m),
+        const real_t column[N] = {n.x,
+                                  n.y,
+                                  n.z,
+                                  real_div(m.x, vehicle->radius_m),
+                                  real_div(m.y, vehicle->radius_m),
                                   real_div(m.z, vehicle->radius_m)};
         for (int r = 0; r < N; r++) matrix[r][i] = column[r];
     }

@@ -23,8 +23,8 @@ static void add_strips(ssv_wrench_t* sum, vec3_t a, vec3_t b, real_t z_from, rea
     }
 }
 
-// Strip theory in axes of B, moment about B. Two panels meet where the strip is slowest, if it is one of the tube's: |a + b z|
-// has its kink there.
+// Strip theory in axes of B, moment about B. Two panels meet where the strip is slowest, if it is one of the tube's: |a
+// + b z| has its kink there.
 static ssv_wrench_t strip_drag(const ssv_beam_t* beam, vec3_t v_B, vec3_t w_B) {
     const real_t half = real_mul(REAL(0.5), beam->length_m);
     const vec3_t a = vec3(v_B.x, v_B.y, REAL(0));
@@ -34,7 +34,8 @@ static ssv_wrench_t strip_drag(const ssv_beam_t* beam, vec3_t v_B, vec3_t w_B) {
     ssv_wrench_t sum = {vec3(REAL(0), REAL(0), REAL(0)), vec3(REAL(0), REAL(0), REAL(0))};
     add_strips(&sum, a, b, -half, z0);
     add_strips(&sum, a, b, z0, half);
-    return (ssv_wrench_t){vec3_scale(beam->drag_strip_kg_m2, sum.force), vec3_scale(beam->drag_strip_kg_m2, sum.moment)};
+    return (ssv_wrench_t){vec3_scale(beam->drag_strip_kg_m2, sum.force),
+                          vec3_scale(beam->drag_strip_kg_m2, sum.moment)};
 }
 
 // a x (m a), m by axis: exactly zero where all of m is the same. Noise in its place would keep laws of thrusters apart.
@@ -48,11 +49,10 @@ static vec3_t gyration(vec3_t m, vec3_t a) {
 static ssv_demand_t demand_in_Q(const ssv_body_t* body, vec3_t v_Q, vec3_t w_Q) {
     const vec3_t mass = vec3(body->mass_kg + body->added_mass_kg.x, body->mass_kg + body->added_mass_kg.y,
                              body->mass_kg + body->added_mass_kg.z);
-    ssv_demand_t demand = {
-        {vec3_mul(mass, v_Q), vec3_mul(body->inertia_kg_m2, w_Q)},
-        {vec3_scale(body->drag_lin_kg_s, v_Q), vec3_scale(body->drag_lin_ang_Nm_s, w_Q)},
-        {vec3_scale(real_mul(body->drag_quad_kg_m, vec3_norm(v_Q)), v_Q),
-         vec3_scale(real_mul(body->drag_quad_ang_Nm_s2, vec3_norm(w_Q)), w_Q)}};
+    ssv_demand_t demand = {{vec3_mul(mass, v_Q), vec3_mul(body->inertia_kg_m2, w_Q)},
+                           {vec3_scale(body->drag_lin_kg_s, v_Q), vec3_scale(body->drag_lin_ang_Nm_s, w_Q)},
+                           {vec3_scale(real_mul(body->drag_quad_kg_m, vec3_norm(v_Q)), v_Q),
+                            vec3_scale(real_mul(body->drag_quad_ang_Nm_s2, vec3_norm(w_Q)), w_Q)}};
     wrench_add(&demand.quadratic, vec3_cross(w_Q, demand.accel.force),
                vec3_add(gyration(body->inertia_kg_m2, w_Q), gyration(mass, v_Q)));
     return demand;

@@ -4,11 +4,11 @@
 
 #define N SSV_NUM_THRUSTERS
 
-// Least cost of a metre for the vehicle's centre. For any vector y of length Y, a motion from rest to rest costs at least
-// y . (drag_lin dx) if no attitude lets the thrusters win more from y than a second costs:
+// Least cost of a metre for the vehicle's centre. For any vector y of length Y, a motion from rest to rest costs at
+// least y . (drag_lin dx) if no attitude lets the thrusters win more from y than a second costs:
 //     sum of F max(0, Y |n . n_i| - W2) <= W1 for every unit n.
-// The |n . n_i| have squares that sum to at most the largest eigenvalue of sum n_i n_i^T, so the left side is largest with m
-// of them equal and the rest zero, for some m.
+// The |n . n_i| have squares that sum to at most the largest eigenvalue of sum n_i n_i^T, so the left side is largest
+// with m of them equal and the rest zero, for some m.
 real_t ssv_least_metre_price(const ssv_scenario_t* s) {
     real_t m[3][3] = {{REAL(0)}}, eigenvalue = REAL(0);
     for (int i = 0; i < N; i++) {
@@ -39,7 +39,8 @@ static bool can_row(const ssv_scenario_t* s) {
            s->beam.body.drag_quad_kg_m > REAL(0) || s->vehicle.body.drag_quad_kg_m > REAL(0);
 }
 
-// Where the beam may be held anywhere, heights this many to its length are tried, and none is farther than half of that from one.
+// Where the beam may be held anywhere, heights this many to its length are tried, and none is farther than half of that
+// from one.
 #define NUM_STEPS 8
 // Of the way by the height: the ring, where the transfer starts and where it ends each move by as much as the height.
 #define STEEPEST REAL(3)

@@ -4,8 +4,8 @@
 
 #include "ssv/planner.h"
 
-/// Cost per metre of the vehicle's centre, whatever the attitude: no flight costs less as long as nothing else than thrust helps
-/// it along. That is so for every straight flight, also with a beam that feels drag.
+/// Cost per metre of the vehicle's centre, whatever the attitude: no flight costs less as long as nothing else than
+/// thrust helps it along. That is so for every straight flight, also with a beam that feels drag.
 real_t ssv_least_metre_price(const ssv_scenario_t* scenario);
 
 #endif

@@ -44,8 +44,8 @@ void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assemb
     }
 }
 
-bool ssv_moves_estimate(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t move[], int num_moves,
-                        real_t closeness, real_t* price) {
+bool ssv_moves_estimate(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t move[],
+                        int num_moves, real_t closeness, real_t* price) {
     const ssv_scenario_t* s = &problem->scenario;
     const real_t weight_time = ssv_leg_weight_time(s);
     *price = REAL(0);
@@ -74,7 +74,8 @@ ssv_price_t ssv_chain_price(const ssv_flight_t* transit, const ssv_flight_t* tra
 }
 
 ssv_candidate_t ssv_candidate_of(const ssv_grasp_t* grasp, const ssv_price_t* price) {
-    ssv_candidate_t candidate = {grasp->contact, grasp->height_m, grasp->ring_angle_rad, price->outcome, REAL(0), REAL(0), REAL(0)};
+    ssv_candidate_t candidate = {grasp->contact, grasp->height_m, grasp->ring_angle_rad, price->outcome, REAL(0),
+                                 REAL(0),        REAL(0)};
     if (price->outcome == SSV_FEASIBLE) {
         candidate.time_s = price->time_s;
         candidate.impulse_Ns = price->impulse_Ns;

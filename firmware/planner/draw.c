@@ -2,15 +2,16 @@
 
 #include "planner/alloc.h"
 
-// Body directions this much dearer per metre than the cheapest are not drawn; the search still finds its way in between.
+// Body directions this much dearer per metre than the cheapest are not drawn; the search still finds its way in
+// between.
 #define DIRECTION_SLACK REAL(1.05)
 // Swings are tried with spins up to this one, either way.
 #define LAST_SWING 1
 // Part of the price of a turn that it keeps when it is made on the way.
 #define SWING_SHARE REAL(0.25)
 
-// Whether the thrusters serve the vehicle rolled half a turn about x as well as before: three wrenches with nothing special about
-// them tell.
+// Whether the thrusters serve the vehicle rolled half a turn about x as well as before: three wrenches with nothing
+// special about them tell.
 static bool serves_both_ways_up(const ssv_problem_t* problem) {
     static const real_t probe[3][6] = {{REAL(0.8), REAL(0.5), REAL(-0.3), REAL(0.1), REAL(0.05), REAL(0.12)},
                                        {REAL(-0.2), REAL(0.7), REAL(0.6), REAL(-0.07), REAL(0.15), REAL(-0.04)},
@@ -60,7 +61,8 @@ static void roll_turns(const ssv_problem_t* problem, const ssv_assembly_t* assem
             ssv_alloc(&problem->allocation, vec3(f.x, REAL(0), REAL(0)), vec3(m.x, REAL(0), REAL(0)), thrust[0]);
             ssv_alloc(&problem->allocation, vec3(REAL(0), f.y, f.z), vec3(REAL(0), m.y, m.z), thrust[1]);
             ssv_alloc(&problem->allocation, vec3(REAL(0), -f.z, f.y), vec3(REAL(0), -m.z, m.y), thrust[2]);
-            const real_t size = real_abs(f.x) + real_abs(f.y) + real_abs(f.z) + real_abs(m.x) + real_abs(m.y) + real_abs(m.z);
+            const real_t size =
+                real_abs(f.x) + real_abs(f.y) + real_abs(f.z) + real_abs(m.x) + real_abs(m.y) + real_abs(m.z);
             if (size > REAL(0)) turns->any[part] = true;
         }
     }
@@ -73,14 +75,15 @@ static void turns_at(const ssv_rolled_turns_t* rolled, vec3_t axis_S, ssv_turns_
         for (int k = 0; rolled->any[part] && k < 3; k++) {
             const real_t(*thrust)[SSV_NUM_THRUSTERS] = rolled->thrust[part][k];
             for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-                turns->thrust[part][k][i] = thrust[0][i] + real_mul(axis_S.y, thrust[1][i]) + real_mul(axis_S.z, thrust[2][i]);
+                turns->thrust[part][k][i] =
+                    thrust[0][i] + real_mul(axis_S.y, thrust[1][i]) + real_mul(axis_S.z, thrust[2][i]);
             }
         }
     }
 }
 
-// What the turn q (in axes of the body) costs, roughly: W1 angle / v for the way, and for reaching v both what inertia and what
-// drag ask.
+// What the turn q (in axes of the body) costs, roughly: W1 angle / v for the way, and for reaching v both what inertia
+// and what drag ask.
 static real_t turn_guess(const ssv_scenario_t* scenario, const ssv_turns_t* turns, quat_t q) {
     const vec3_t e = vec3(q.x, q.y, q.z);
     const real_t sine = vec3_norm(e), versine = REAL(1) - real_abs(q.w);
@@ -101,19 +104,22 @@ static real_t turn_guess(const ssv_scenario_t* scenario, const ssv_turns_t* turn
     }
     const real_t W1 = ssv_leg_weight_time(scenario), W2 = scenario->weight_impulse_per_Ns;
     const real_t F = scenario->vehicle.force_max_N, way = real_mul(W1, angle);
-    const real_t rise = real_div(real_mul(W1, most[SSV_TURN_ACCEL]), F) +
-                        real_mul(W2, real_mul(REAL(1.5), sum[SSV_TURN_ACCEL]) + real_mul(angle, sum[SSV_TURN_QUADRATIC]));
+    const real_t rise =
+        real_div(real_mul(W1, most[SSV_TURN_ACCEL]), F) +
+        real_mul(W2, real_mul(REAL(1.5), sum[SSV_TURN_ACCEL]) + real_mul(angle, sum[SSV_TURN_QUADRATIC]));
     const real_t hurry = real_div(real_mul(real_sq(way), most[SSV_TURN_QUADRATIC]), F);
-    return real_sqrt(real_mul(REAL(4), real_mul(way, rise)) + hurry) + real_mul(W2, real_mul(angle, sum[SSV_TURN_LINEAR]));
+    return real_sqrt(real_mul(REAL(4), real_mul(way, rise)) + hurry) +
+           real_mul(W2, real_mul(angle, sum[SSV_TURN_LINEAR]));
 }
 
-// Where thrusters are not square to each other, the cheapest directions are somewhat off the axes, edges and diagonals: steps
-// along each axis, to whichever side is cheaper.
+// Where thrusters are not square to each other, the cheapest directions are somewhat off the axes, edges and diagonals:
+// steps along each axis, to whichever side is cheaper.
 static void better(const ssv_problem_t* problem, vec3_t* n, real_t* price) {
     static const real_t steps[] = {REAL(0.04), REAL(0.02), REAL(0.01)};
     for (int k = 0; k < 3 * (int)(sizeof steps / sizeof steps[0]); k++) {
         const real_t step = steps[k / 3];
-        const vec3_t aside = vec3(k % 3 == 0 ? step : REAL(0), k % 3 == 1 ? step : REAL(0), k % 3 == 2 ? step : REAL(0));
+        const vec3_t aside =
+            vec3(k % 3 == 0 ? step : REAL(0), k % 3 == 1 ? step : REAL(0), k % 3 == 2 ? step : REAL(0));
         const vec3_t next[2] = {vec3_unit(vec3_add(*n, aside)), vec3_unit(vec3_sub(*n, aside))};
         const real_t there[2] = {ssv_metre_price(problem, next[0]), ssv_metre_price(problem, next[1])};
         const int side = there[0] < there[1] ? 0 : 1;
@@ -187,8 +193,8 @@ int ssv_draw_transit(const ssv_task_t* task, const ssv_handling_t* handling, int
     return num;
 }
 
-// Sets how the vehicle holds the beam, and its attitude, so that n_S flies ahead along direction_I and the beam points along
-// axis_I; two rolls do. Where none does both, one does nearly. @return false for the second if there is but one.
+// Sets how the vehicle holds the beam, and its attitude, so that n_S flies ahead along direction_I and the beam points
+// along axis_I; two rolls do. Where none does both, one does nearly. @return false for the second if there is but one.
 static bool point_beam(int side, vec3_t direction_I, vec3_t axis_I, ssv_trial_t* trial) {
     const vec3_t n = trial->n_S;
     const real_t along = vec3_dot(direction_I, axis_I), reach = real_sqrt(real_sq(n.y) + real_sq(n.z));
@@ -200,7 +206,8 @@ static bool point_beam(int side, vec3_t direction_I, vec3_t axis_I, ssv_trial_t*
         c = real_div(along, reach);
         s = real_mul(real_from_int(side), real_sqrt(real_max(REAL(0), REAL(1) - real_sq(c))));
     }
-    const real_t y = reach > REAL(0) ? real_div(n.y, reach) : REAL(1), z = reach > REAL(0) ? real_div(n.z, reach) : REAL(0);
+    const real_t y = reach > REAL(0) ? real_div(n.y, reach) : REAL(1),
+                 z = reach > REAL(0) ? real_div(n.z, reach) : REAL(0);
     trial->axis_S = vec3(REAL(0), real_mul(y, c) - real_mul(z, s), real_mul(z, c) + real_mul(y, s));
     trial->q_IT = ssv_attitude(n, trial->axis_S, direction_I, axis_I);
     return side < 0 || reach > real_abs(along) || !(reach > REAL(0));
@@ -215,8 +222,8 @@ static void set_twist(vec3_t twist, ssv_trial_t* trial) {
 static real_t distance_between(const vec3_t p[SSV_NUM_ENDS]) { return vec3_norm(vec3_sub(p[1], p[0])); }
 
 // Keeps a trial, and the same with the turn at one end spun about the beam's axis there, by their guessed prices.
-static void keep_spins(const ssv_task_t* task, const ssv_turns_t* turns, int spun_end, int num_spins, real_t metre_price,
-                       real_t swing, ssv_trial_t* trial, int most, ssv_start_t* list, int* num) {
+static void keep_spins(const ssv_task_t* task, const ssv_turns_t* turns, int spun_end, int num_spins,
+                       real_t metre_price, real_t swing, ssv_trial_t* trial, int most, ssv_start_t* list, int* num) {
     const ssv_scenario_t* s = &task->problem->scenario;
     const vec3_t ahead = vec3(s->standoff_m, REAL(0), REAL(0));
     const int other_end = 1 - spun_end;
@@ -237,13 +244,15 @@ static void keep_spins(const ssv_task_t* task, const ssv_turns_t* turns, int spu
     }
 }
 
-int ssv_draw_transfer(const ssv_task_t* task, ssv_handling_t* handling, ssv_carry_t carry, int most, ssv_start_t* list) {
+int ssv_draw_transfer(const ssv_task_t* task, ssv_handling_t* handling, ssv_carry_t carry, int most,
+                      ssv_start_t* list) {
     const ssv_scenario_t* s = &task->problem->scenario;
     const vec3_t* axis_I = task->transfer.axis_I;
     const vec3_t way = vec3_sub(task->hold_I[1], task->hold_I[0]);
     const vec3_t direction_I = vec3_norm(way) > SSV_NO_WAY_M ? vec3_unit(way) : axis_I[0];
     const quat_t smallest = quat_between(axis_I[0], axis_I[1]);
-    const ssv_assembly_t assembly = {&s->vehicle, &s->beam,
+    const ssv_assembly_t assembly = {&s->vehicle,
+                                     &s->beam,
                                      {vec3(s->standoff_m, -task->height_m, REAL(0)),
                                       quat_between(vec3(REAL(0), REAL(0), REAL(1)), vec3(REAL(0), REAL(1), REAL(0)))}};
     int num = 0;

@@ -1,6 +1,6 @@
 // The price of a leg as a function of the marginal cost of distance: J = min over lambda of lambda D + G(lambda), where
-// G(lambda) is the least integral of L - lambda v over a ramp up and a ramp down. Around the right lambda J is flat, so a guess
-// of the peak speed will do, and so will few points of quadrature.
+// G(lambda) is the least integral of L - lambda v over a ramp up and a ramp down. Around the right lambda J is flat, so
+// a guess of the peak speed will do, and so will few points of quadrature.
 #include "planner/estimate.h"
 
 #define N SSV_NUM_THRUSTERS
@@ -11,7 +11,8 @@
 
 // Gauss-Legendre on [0, 1].
 static const real_t node[NUM_NODES] = {REAL(0.11270166537925831), REAL(0.5), REAL(0.88729833462074169)};
-static const real_t weight[NUM_NODES] = {REAL(0.27777777777777778), REAL(0.44444444444444444), REAL(0.27777777777777778)};
+static const real_t weight[NUM_NODES] = {REAL(0.27777777777777778), REAL(0.44444444444444444),
+                                         REAL(0.27777777777777778)};
 
 typedef struct {
     ssv_laws_t laws;
@@ -23,8 +24,8 @@ typedef struct {
     real_t cost, a;
 } change_t;
 
-// The least of C / |a| on one side, which is at the limit or where some thruster idles before it. C_rest is what does not depend
-// on the thrusters that act.
+// The least of C / |a| on one side, which is at the limit or where some thruster idles before it. C_rest is what does
+// not depend on the thrusters that act.
 static change_t cheapest_change(const leg_t* leg, const real_t idle[N], real_t C_rest, real_t limit) {
     change_t best = {REAL(0), REAL(0)};
     const bool up = limit > REAL(0);
@@ -56,8 +57,10 @@ static real_t ramps(const leg_t* leg, real_t peak, real_t lambda, real_t* distan
         for (int k = 0; k < laws->num_passive; k++) {
             passive += real_abs(laws->passive_linear[k] + real_mul(laws->passive_quadratic[k], v));
         }
-        const real_t C_rest = leg->weight_time - real_mul(lambda, v) + real_mul(leg->weight_impulse, real_mul(passive, v));
-        const change_t faster = cheapest_change(leg, idle, C_rest, up), slower = cheapest_change(leg, idle, C_rest, down);
+        const real_t C_rest =
+            leg->weight_time - real_mul(lambda, v) + real_mul(leg->weight_impulse, real_mul(passive, v));
+        const change_t faster = cheapest_change(leg, idle, C_rest, up),
+                       slower = cheapest_change(leg, idle, C_rest, down);
         const real_t per_faster = real_div(weight[n], faster.a), per_slower = real_div(weight[n], slower.a);
         sum += real_mul(faster.cost, per_faster) + real_mul(slower.cost, per_slower);
         way += real_mul(v, per_faster + per_slower);
@@ -72,7 +75,8 @@ bool ssv_profile_estimate(const ssv_thrusts_t* thrusts_SI, real_t weight_time_pe
     ssv_units_t unit;
     ssv_thrusts_t thrusts;
     leg.weight_time = real_max(weight_time_per_s, real_mul(SSV_TIME_PRICE_MIN_N, weight_impulse_per_Ns));
-    if (!ssv_thrusts_scale(thrusts_SI, leg.weight_time, weight_impulse_per_Ns, distance_SI, &unit, &thrusts)) return false;
+    if (!ssv_thrusts_scale(thrusts_SI, leg.weight_time, weight_impulse_per_Ns, distance_SI, &unit, &thrusts))
+        return false;
     leg.weight_impulse = real_scale(weight_impulse_per_Ns, unit.force);
     const real_t distance = real_scale(distance_SI, -unit.length);
     if (!ssv_laws_of(&thrusts, &leg.laws)) return false;
@@ -83,8 +87,8 @@ bool ssv_profile_estimate(const ssv_thrusts_t* thrusts_SI, real_t weight_time_pe
     const real_t top = terminal < free_top ? real_mul(BELOW_TERMINAL, terminal) : free_top;
     const real_t cruise = ssv_cruise_speed(&thrusts, leg.weight_time, leg.weight_impulse, top);
     const real_t time_price = real_mul(leg.weight_time, distance);
-    // J = fixed + time_price / peak + rest(peak), where the rest is nearly linear: its slope is at first that without drag, then
-    // that between the last two guesses.
+    // J = fixed + time_price / peak + rest(peak), where the rest is nearly linear: its slope is at first that without
+    // drag, then that between the last two guesses.
     real_t fixed = REAL(0);
     for (int i = 0; i < N; i++) fixed += real_abs(thrusts.linear[i]);
     fixed = real_mul(leg.weight_impulse, real_mul(distance, fixed));

@@ -31,7 +31,8 @@ vec3_t ssv_grasp_radial(const ssv_scenario_t* scenario, const ssv_grasp_t* grasp
 }
 
 vec3_t ssv_grasp_position(const ssv_scenario_t* scenario, const ssv_grasp_t* grasp) {
-    const vec3_t p_BS = vec3_add(vec3_scale(scenario->standoff_m, radial_B(grasp)), vec3(REAL(0), REAL(0), grasp->height_m));
+    const vec3_t p_BS =
+        vec3_add(vec3_scale(scenario->standoff_m, radial_B(grasp)), vec3(REAL(0), REAL(0), grasp->height_m));
     return vec3_add(scenario->X_IB.p, quat_apply(scenario->X_IB.q, p_BS));
 }
 

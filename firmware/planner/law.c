@@ -11,8 +11,8 @@
 // Longer than any leg may take.
 #define FOR_EVER_S REAL(1e6)
 
-// A law as the closed forms need it: times 2^n, so that neither its discriminant overflows nor small coefficients lose their
-// digits; and the root of the discriminant's size.
+// A law as the closed forms need it: times 2^n, so that neither its discriminant overflows nor small coefficients lose
+// their digits; and the root of the discriminant's size.
 typedef struct {
     real_t c[3], disc, root;
     int n;
@@ -83,8 +83,8 @@ static ssv_moments_t moments_by_quadrature(const real_t law[3], real_t v_from, r
     return m;
 }
 
-// Time from dv/dt = Q(v): with tau = dv / (2 Q_a + Q_a' dv) and d the discriminant, t = 2 atanh(sqrt(d) tau) / sqrt(d), or
-// the arc tangent where d < 0. No case of it cancels: 1 - d tau^2 = 4 Q_a Q_b / (2 Q_a + Q_a' dv)^2 exactly.
+// Time from dv/dt = Q(v): with tau = dv / (2 Q_a + Q_a' dv) and d the discriminant, t = 2 atanh(sqrt(d) tau) / sqrt(d),
+// or the arc tangent where d < 0. No case of it cancels: 1 - d tau^2 = 4 Q_a Q_b / (2 Q_a + Q_a' dv)^2 exactly.
 static real_t law_time(const scaled_t* s, real_t v_from, real_t v_to) {
     const real_t* law = s->c;
     const real_t dv = v_to - v_from;
@@ -101,7 +101,8 @@ static real_t law_time(const scaled_t* s, real_t v_from, real_t v_to) {
     if (one_minus_x2 <= REAL(0)) return FOR_EVER_S; // dv/dt is zero at one end: only approached
     // 2 atanh x = log1p(2 x (1 + x) / (1 - x^2))
     const real_t t = real_div(real_log1p(real_div(real_mul(real_mul(REAL(2), x), REAL(1) + x), one_minus_x2)), s->root);
-    return real_scale((dv < REAL(0)) == (Q_a < REAL(0)) ? t : -t, s->n); // a ramp is measured from rest, also against time
+    return real_scale((dv < REAL(0)) == (Q_a < REAL(0)) ? t : -t,
+                      s->n); // a ramp is measured from rest, also against time
 }
 
 // log(1 + y) / y = 1 - y/2 + y^2/3 - ..., and its first moment 1/2 - y/3 + y^2/4 - ..., both smooth at y = 0.

@@ -4,15 +4,18 @@
 
 // Shorter moves are rounding of the geometry, not motion: a hundredth of a micrometre, or of a microradian.
 #define LENGTH_MIN real_max(REAL(1e-8), 16 * REAL_NOISE)
-// A turn whose pivot is farther away than this is rather a flight; one in which S moves less than this per radian is a turn.
+// A turn whose pivot is farther away than this is rather a flight; one in which S moves less than this per radian is a
+// turn.
 #define FAR_PIVOT_M REAL(10)
 #define MATTERS_M REAL(0.01)
 // Below this angle three terms of the sine and cosine are as good as all.
 #define SMALL_RAD REAL(1e-3)
-// The paper's two ramps tie if their prices are closer than this fraction: the order decides, not digits in which scalars differ.
+// The paper's two ramps tie if their prices are closer than this fraction: the order decides, not digits in which
+// scalars differ.
 #define RAMPS_TIE REAL(1e-6)
-// A thrust coefficient smaller than this fraction of its neighbours is rounding of the allocation. No more than that may go: where
-// a second costs next to nothing, a millionth of the drag decides by how many seconds a coast is worth while.
+// A thrust coefficient smaller than this fraction of its neighbours is rounding of the allocation. No more than that
+// may go: where a second costs next to nothing, a millionth of the drag decides by how many seconds a coast is worth
+// while.
 #define COEFFICIENT_MIN real_max(REAL(9.3132257461547852e-10), 16 * REAL_EPSILON)
 
 real_t ssv_leg_weight_time(const ssv_scenario_t* scenario) {
@@ -80,7 +83,8 @@ static void trim(real_t c[SSV_NUM_THRUSTERS]) {
     }
 }
 
-void ssv_move_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assembly, ssv_twist_t twist, ssv_thrusts_t* thrusts) {
+void ssv_move_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assembly, ssv_twist_t twist,
+                      ssv_thrusts_t* thrusts) {
     ssv_demand_t demand;
     ssv_body_demand(assembly, twist, &demand);
     ssv_alloc(&problem->allocation, demand.accel.force, demand.accel.moment, thrusts->accel);
@@ -102,7 +106,8 @@ real_t ssv_metre_price(const ssv_problem_t* problem, vec3_t n_S) {
         largest = real_max(largest, real_abs(u[i]));
         sum += real_abs(u[i]);
     }
-    return real_mul(s->weight_time_per_s, real_div(largest, s->vehicle.force_max_N)) + real_mul(s->weight_impulse_per_Ns, sum);
+    return real_mul(s->weight_time_per_s, real_div(largest, s->vehicle.force_max_N)) +
+           real_mul(s->weight_impulse_per_Ns, sum);
 }
 
 bool ssv_price_beats(const ssv_price_t* a, const ssv_price_t* b) {
@@ -119,11 +124,13 @@ static ssv_price_t price_of(const ssv_scenario_t* scenario, const ssv_profile_pr
     if (price.outcome != SSV_FEASIBLE) return price;
     price.time_s = profile->duration_s;
     price.impulse_Ns = profile->impulse_Ns;
-    price.cost = real_mul(scenario->weight_time_per_s, price.time_s) + real_mul(scenario->weight_impulse_per_Ns, price.impulse_Ns);
+    price.cost = real_mul(scenario->weight_time_per_s, price.time_s) +
+                 real_mul(scenario->weight_impulse_per_Ns, price.impulse_Ns);
     return price;
 }
 
-ssv_price_t ssv_move_price(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts, ssv_ramp_t* ramp) {
+ssv_price_t ssv_move_price(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
+                           ssv_ramp_t* ramp) {
     const ssv_scenario_t* scenario = &problem->scenario;
     *ramp = SSV_FULL_REVERSE;
     if (!(move->length > REAL(0))) return (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};

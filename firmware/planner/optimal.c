@@ -2,27 +2,29 @@
 #include "planner/estimate.h"
 #include "planner/search.h"
 
-// ---- How much is tried --------------------------------------------------------------------------------------------------
+// ---- How much is tried
+// --------------------------------------------------------------------------------------------------
 
 #define MAX_TRANSITS 2
 #define NUM_ROUNDS 3
-// When a step of the refinement is taken, as fractions of the price; by measurement: of J, and of how often float and double part.
+// When a step of the refinement is taken, as fractions of the price; by measurement: of J, and of how often float and
+// double part.
 typedef struct {
-    real_t worth_a_look;         // what a parabola must promise
-    real_t least_bend;           // what it is bent at least, whatever the prices say
-    real_t clearly;              // how much lower an end must be than where the parabola leads
+    real_t worth_a_look; // what a parabola must promise
+    real_t least_bend;   // what it is bent at least, whatever the prices say
+    real_t clearly;      // how much lower an end must be than where the parabola leads
 } caution_t;
 typedef struct {
-    int refined, sweeps;         // how many of the cheapest, and with how many sweeps
-    bool pairs;                  // of numbers, too
+    int refined, sweeps; // how many of the cheapest, and with how many sweeps
+    bool pairs;          // of numbers, too
 } stage_t;
 typedef struct {
-    real_t closeness;            // of estimates
+    real_t closeness; // of estimates
     caution_t caution;
-    int kinds, starts;           // kinds of starts of a transfer, and how many of each are drawn; none if a look has done it
-    stage_t rounds[NUM_ROUNDS];  // refinement of the transfer, round after round
-    int transits;                // starts of the transit
-    stage_t transit, joint;      // refinement of the transit, and of the transfer once more with the price of both phases
+    int kinds, starts; // kinds of starts of a transfer, and how many of each are drawn; none if a look has done it
+    stage_t rounds[NUM_ROUNDS]; // refinement of the transfer, round after round
+    int transits;               // starts of the transit
+    stage_t transit, joint; // refinement of the transit, and of the transfer once more with the price of both phases
 } budget_t;
 
 #define LOOK_KINDS 2
@@ -46,12 +48,13 @@ static const budget_t glance = {.transits = 1};
 // Where no thruster acts along a leg: no vehicle that ssv_problem_init accepts is so.
 #define NO_PRICE (REAL_MAX / 64)
 
-// ---- Refinement ---------------------------------------------------------------------------------------------------------
+// ---- Refinement
+// ---------------------------------------------------------------------------------------------------------
 
 // Steps of the free numbers at first: turn, twist, mate roll and spins, pivots.
-static const real_t first_step[SSV_NUM_TRANSFER] = {
-    REAL(0.1), REAL(0.1),  REAL(0.1),  REAL(0.15), REAL(0.15), REAL(0.15), REAL(0.25), REAL(0.4),
-    REAL(0.4), REAL(0.12), REAL(0.12), REAL(0.12), REAL(0.12), REAL(0.12), REAL(0.12)};
+static const real_t first_step[SSV_NUM_TRANSFER] = {REAL(0.1),  REAL(0.1),  REAL(0.1),  REAL(0.15), REAL(0.15),
+                                                    REAL(0.15), REAL(0.25), REAL(0.4),  REAL(0.4),  REAL(0.12),
+                                                    REAL(0.12), REAL(0.12), REAL(0.12), REAL(0.12), REAL(0.12)};
 
 // Estimated price; NO_PRICE where the thrusters cannot do it.
 static real_t try_price(ssv_task_t* task, const ssv_trial_t* trial) {
@@ -59,11 +62,14 @@ static real_t try_price(ssv_task_t* task, const ssv_trial_t* trial) {
     real_t price, before = REAL(0);
     ssv_trial_lay(task, trial, &motion);
     task->num_priced++;
-    if (!ssv_moves_estimate(task->problem, &motion.assembly, motion.move, SSV_MAX_PHASE_MOVES, task->closeness, &price)) return NO_PRICE;
+    if (!ssv_moves_estimate(task->problem, &motion.assembly, motion.move, SSV_MAX_PHASE_MOVES, task->closeness, &price))
+        return NO_PRICE;
     if (task->before != NULL) {
         const ssv_task_t fly = ssv_transit_task(task, &motion.X_from);
         ssv_trial_lay(&fly, task->before, &motion);
-        if (!ssv_moves_estimate(task->problem, &motion.assembly, motion.move, SSV_MAX_PHASE_MOVES, task->closeness, &before)) return NO_PRICE;
+        if (!ssv_moves_estimate(task->problem, &motion.assembly, motion.move, SSV_MAX_PHASE_MOVES, task->closeness,
+                                &before))
+            return NO_PRICE;
     }
     return price + before;
 }
@@ -72,15 +78,16 @@ static void go(const real_t direction[SSV_NUM_TRANSFER], real_t step, ssv_trial_
     for (int k = 0; k < SSV_NUM_TRANSFER; k++) trial->x[k] += real_mul(step, direction[k]);
 }
 
-static real_t price_at(ssv_task_t* task, const ssv_trial_t* trial, const real_t direction[SSV_NUM_TRANSFER], real_t step) {
+static real_t price_at(ssv_task_t* task, const ssv_trial_t* trial, const real_t direction[SSV_NUM_TRANSFER],
+                       real_t step) {
     ssv_trial_t there = *trial;
     go(direction, step, &there);
     return try_price(task, &there);
 }
 
-// Prices a step down and a step up along a direction of the parameters, and goes to where the parabola through the three prices is
-// lowest. How far must not hang on the last digits of prices, in which scalars differ: where a parabola is nearly flat it counts
-// as bent, which keeps the step short. @return how far along the direction it went.
+// Prices a step down and a step up along a direction of the parameters, and goes to where the parabola through the
+// three prices is lowest. How far must not hang on the last digits of prices, in which scalars differ: where a parabola
+// is nearly flat it counts as bent, which keeps the step short. @return how far along the direction it went.
 static real_t search_along(ssv_task_t* task, const real_t direction[SSV_NUM_TRANSFER], const caution_t* caution,
                            ssv_trial_t* trial, real_t* price) {
     const real_t middle = *price, down = price_at(task, trial, direction, REAL(-1));
@@ -107,7 +114,8 @@ static real_t search_along(ssv_task_t* task, const real_t direction[SSV_NUM_TRAN
     return real_abs(went);
 }
 
-// Pairs of numbers, each with one that stands so far further along the list: up or down together, or one up and one down.
+// Pairs of numbers, each with one that stands so far further along the list: up or down together, or one up and one
+// down.
 static void search_pairs(ssv_task_t* task, const real_t step[SSV_NUM_TRANSFER], int apart, const caution_t* caution,
                          ssv_trial_t* trial, real_t* price) {
     for (int k = 0; k < SSV_NUM_TRANSFER; k++) {
@@ -125,9 +133,10 @@ static void search_pairs(ssv_task_t* task, const real_t step[SSV_NUM_TRANSFER], 
     }
 }
 
-// Each number in turn, and after each sweep the way that the sweep went as a whole. Steps shrink where nothing moves. Pairs go on
-// where the price has a kink, at which neither number gains alone.
-static void refine(ssv_task_t* task, const caution_t* caution, const stage_t* stage, ssv_trial_t* trial, real_t* price) {
+// Each number in turn, and after each sweep the way that the sweep went as a whole. Steps shrink where nothing moves.
+// Pairs go on where the price has a kink, at which neither number gains alone.
+static void refine(ssv_task_t* task, const caution_t* caution, const stage_t* stage, ssv_trial_t* trial,
+                   real_t* price) {
     const int num = task->phase == SSV_TRANSIT ? SSV_NUM_TRANSIT : SSV_NUM_TRANSFER;
     const bool given = task->phase == SSV_TRANSFER && task->problem->scenario.ring_angle_given;
     real_t step[SSV_NUM_TRANSFER];
@@ -160,7 +169,8 @@ static void sort(ssv_start_t* list, int num) {
     }
 }
 
-// Drops those that cost the same as the one before: in a scene with symmetries they are its mirror images. @return how many stay.
+// Drops those that cost the same as the one before: in a scene with symmetries they are its mirror images. @return how
+// many stay.
 static int drop_twins(ssv_start_t* list, int num) {
     int kept = 0;
     for (int k = 0; k < num; k++) {
@@ -182,7 +192,8 @@ static void refine_first(ssv_task_t* task, const caution_t* caution, const stage
     sort(list, most);
 }
 
-// ---- The search ---------------------------------------------------------------------------------------------------------
+// ---- The search
+// ---------------------------------------------------------------------------------------------------------
 
 // The same transfer with the vehicle the other way up: rolled half a turn about its contact axis.
 static ssv_trial_t other_way_up(const ssv_trial_t* trial) {
@@ -205,8 +216,8 @@ SSV_OWN_FRAME static pose_t start_of(const ssv_task_t* carry, const ssv_trial_t*
 }
 
 // The cheapest transit to where this transfer begins; NULL if it is not asked for. @return its price.
-static real_t find_transit(ssv_task_t* carry, const ssv_handling_t* handling, const budget_t* budget, const ssv_trial_t* transfer,
-                           ssv_trial_t* transit) {
+static real_t find_transit(ssv_task_t* carry, const ssv_handling_t* handling, const budget_t* budget,
+                           const ssv_trial_t* transfer, ssv_trial_t* transit) {
     ssv_start_t list[MAX_TRANSITS];
     const pose_t X_to = start_of(carry, transfer);
     ssv_task_t fly = ssv_transit_task(carry, &X_to);
@@ -231,7 +242,8 @@ static void add_transit(ssv_task_t* carry, const ssv_handling_t* handling, ssv_s
 // Draws and prices starts of some kinds, cheapest first.
 static int draw(ssv_task_t* carry, ssv_handling_t* handling, int kinds, int starts, ssv_start_t* list) {
     int num = 0;
-    for (int kind = 0; kind < kinds; kind++) num += ssv_draw_transfer(carry, handling, (ssv_carry_t)kind, starts, &list[num]);
+    for (int kind = 0; kind < kinds; kind++)
+        num += ssv_draw_transfer(carry, handling, (ssv_carry_t)kind, starts, &list[num]);
     price_all(carry, list, num);
     return num;
 }
@@ -242,30 +254,32 @@ real_t ssv_optimal_flights(const ssv_problem_t* problem, const ssv_handling_t* h
     const real_t there = vec3_norm(vec3_sub(carry.hold_I[0], s->X_IS.p));
     const real_t on = vec3_norm(vec3_sub(carry.hold_I[1], carry.hold_I[0]));
     return real_mul(handling->least, real_max(REAL(0), there - s->standoff_m) +
-                                           real_max(REAL(0), on - real_mul(REAL(2), s->standoff_m)));
+                                         real_max(REAL(0), on - real_mul(REAL(2), s->standoff_m)));
 }
 
-real_t ssv_optimal_look(const ssv_problem_t* problem, ssv_search_t* search, int contact, real_t height_m, const real_t* to_beat,
-                        int* num_priced) {
+real_t ssv_optimal_look(const ssv_problem_t* problem, ssv_search_t* search, int contact, real_t height_m,
+                        const real_t* to_beat, int* num_priced) {
     ssv_task_t carry = ssv_transfer_task(problem, contact, height_m);
     ssv_start_t* list = search->start;
     const int num = draw(&carry, &search->handling, LOOK_KINDS, SSV_LOOK_STARTS / LOOK_KINDS, list);
     // Where transfers cost the same, their transits decide, and where these do too, refinement.
     const real_t least = list[0].price;
     int alike = 0;
-    for (; alike < num && ssv_alike(least, list[alike].price); alike++) add_transit(&carry, &search->handling, &list[alike]);
+    for (; alike < num && ssv_alike(least, list[alike].price); alike++)
+        add_transit(&carry, &search->handling, &list[alike]);
     sort(list, alike);
     *num_priced += carry.num_priced;
     const real_t price = total(&list[0]);
     if (to_beat != NULL && !ssv_clearly_less(price, *to_beat)) return price;
     search->look.num = 0;
-    for (int k = 0; k < alike && ssv_alike(price, total(&list[k])); k++) search->look.start[search->look.num++] = list[k];
+    for (int k = 0; k < alike && ssv_alike(price, total(&list[k])); k++)
+        search->look.start[search->look.num++] = list[k];
     return price;
 }
 
 // The best transfer and its transit that the budget finds.
-SSV_OWN_FRAME static void find(ssv_task_t* carry, ssv_search_t* search, const budget_t* budget,
-                               ssv_trial_t* transfer, ssv_trial_t* transit) {
+SSV_OWN_FRAME static void find(ssv_task_t* carry, ssv_search_t* search, const budget_t* budget, ssv_trial_t* transfer,
+                               ssv_trial_t* transit) {
     ssv_handling_t* handling = &search->handling;
     ssv_start_t* list = search->start;
     const bool looked = budget->kinds == 0;

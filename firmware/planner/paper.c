@@ -3,7 +3,8 @@
 #include "planner/search.h"
 
 // What a straight flight costs at least. With the drag of a beam some thruster may have less to do than without.
-static real_t straight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t* translation) {
+static real_t straight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly,
+                             const ssv_move_t* translation) {
     const ssv_beam_t* beam = assembly->beam;
     const bool beam_drags = beam != NULL && (beam->drag_strip_kg_m2 > REAL(0) || beam->body.drag_lin_kg_s > REAL(0) ||
                                              beam->body.drag_quad_kg_m > REAL(0));
@@ -12,8 +13,8 @@ static real_t straight_price(const ssv_problem_t* problem, const ssv_assembly_t*
     return real_mul(translation->length, per_metre);
 }
 
-// Fly to the grasp with the attitude held, then turn +x onto the beam's axis the shortest way. Half a turn has no shortest way:
-// axis k of several. @return how many there are.
+// Fly to the grasp with the attitude held, then turn +x onto the beam's axis the shortest way. Half a turn has no
+// shortest way: axis k of several. @return how many there are.
 static int lay_transit(const ssv_problem_t* problem, const ssv_grasp_t* grasp, int k, ssv_flight_t* flight) {
     const ssv_scenario_t* scenario = &problem->scenario;
     const quat_t q_SI = quat_conj(scenario->X_IS.q);
@@ -28,7 +29,8 @@ static int lay_transit(const ssv_problem_t* problem, const ssv_grasp_t* grasp, i
     return num_axes;
 }
 
-// Turn about C until the beam's outward axis faces the port, then fly its contact there. @return how many axes there are.
+// Turn about C until the beam's outward axis faces the port, then fly its contact there. @return how many axes there
+// are.
 static int lay_transfer(const ssv_problem_t* problem, const ssv_assembly_t* pair, int contact, pose_t X_IS, int k,
                         ssv_flight_t* flight) {
     const ssv_scenario_t* scenario = &problem->scenario;
@@ -48,15 +50,16 @@ static int lay_transfer(const ssv_problem_t* problem, const ssv_assembly_t* pair
 }
 
 static pose_t end_of(const ssv_flight_t* flight, pose_t X_IS) {
-    for (int k = 0; k < flight->num_moves; k++) X_IS = ssv_move_pose(X_IS, flight->move[k].twist, flight->move[k].length);
+    for (int k = 0; k < flight->num_moves; k++)
+        X_IS = ssv_move_pose(X_IS, flight->move[k].twist, flight->move[k].length);
     return X_IS;
 }
 
 // Estimates of a price are never this much too high.
 #define ESTIMATE_MARGIN REAL(1.1)
 
-// Whether a grasp cannot cost less than this: by its straight flights, or by an estimate with the optimal profile, which no ramp
-// betters. As far as it does not hang on a choice of axis.
+// Whether a grasp cannot cost less than this: by its straight flights, or by an estimate with the optimal profile,
+// which no ramp betters. As far as it does not hang on a choice of axis.
 static bool costs_at_least(const ssv_problem_t* problem, const ssv_grasp_t* grasp, real_t price) {
     const ssv_assembly_t alone = ssv_vehicle_alone(problem);
     ssv_flight_t flight;

@@ -4,8 +4,8 @@
 #include "planner/timeline.h"
 
 // Solves the move once more and writes its leg and pieces.
-static ssv_outcome_t add_leg(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t* move, pose_t X_IS,
-                             ssv_plan_t* plan) {
+static ssv_outcome_t add_leg(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t* move,
+                             pose_t X_IS, ssv_plan_t* plan) {
     ssv_thrusts_t thrusts;
     ssv_profile_t profile;
     ssv_ramp_t ramp;
@@ -98,8 +98,9 @@ static ssv_outcome_t write_timeline(const ssv_problem_t* problem, real_t drift_m
     return SSV_FEASIBLE;
 }
 
-// How closely the timeline is cut [s2]: as finely as the plan's memory allows. How many segments it takes grows with the fourth
-// root of the inverse, where the bound on drift is what counts: a count or two show where that ends, from these on.
+// How closely the timeline is cut [s2]: as finely as the plan's memory allows. How many segments it takes grows with
+// the fourth root of the inverse, where the bound on drift is what counts: a count or two show where that ends, from
+// these on.
 #define DRIFT_S2 REAL(1.6e-5)
 #define DRIFT_LEAST_S2 REAL(1e-6)
 #define MAX_COUNTS 3
@@ -107,7 +108,8 @@ static ssv_outcome_t write_timeline(const ssv_problem_t* problem, real_t drift_m
 #define MAX_COARSER 8
 #define SEGMENTS_WANTED (SSV_MAX_SEGMENTS - SSV_MAX_SEGMENTS / 10)
 
-SSV_OWN_FRAME static ssv_outcome_t write_plan(const ssv_problem_t* problem, const ssv_chain_t* chain, ssv_plan_t* plan) {
+SSV_OWN_FRAME static ssv_outcome_t write_plan(const ssv_problem_t* problem, const ssv_chain_t* chain,
+                                              ssv_plan_t* plan) {
     ssv_outcome_t outcome = write_motion(problem, chain, plan);
     if (outcome != SSV_FEASIBLE) return outcome;
     real_t drift_s2 = DRIFT_S2;
@@ -124,7 +126,8 @@ SSV_OWN_FRAME static ssv_outcome_t write_plan(const ssv_problem_t* problem, cons
     return outcome;
 }
 
-// The paper's method, candidate by candidate, until one fits the plan's memory. @return whether one does; then *chain is it.
+// The paper's method, candidate by candidate, until one fits the plan's memory. @return whether one does; then *chain
+// is it.
 SSV_OWN_FRAME static bool plan_by_paper(ssv_problem_t* problem, ssv_chain_t* chain, ssv_plan_t* plan) {
     const ssv_method_t method = problem->scenario.method;
     problem->scenario.method = SSV_METHOD_PAPER;

@@ -8,7 +8,8 @@ typedef struct {
     bool ok;
 } checker_t;
 
-static void fail(checker_t* checker, ssv_status_t status, const char* field, int index, real_t value, real_t min, real_t max) {
+static void fail(checker_t* checker, ssv_status_t status, const char* field, int index, real_t value, real_t min,
+                 real_t max) {
     *checker->fault = (ssv_fault_t){status, field, index, value, min, max};
     checker->ok = false;
 }
@@ -108,7 +109,8 @@ static void check_task(checker_t* checker, ssv_scenario_t* s) {
 
 static void check_grasp(checker_t* checker, ssv_scenario_t* s) {
     const real_t half = real_mul(REAL(0.5), s->beam.length_m);
-    check(checker, "attach_heights_m", real_from_int(s->num_attach_heights), REAL(0), real_from_int(SSV_MAX_ATTACH_HEIGHTS));
+    check(checker, "attach_heights_m", real_from_int(s->num_attach_heights), REAL(0),
+          real_from_int(SSV_MAX_ATTACH_HEIGHTS));
     if (!checker->ok) return;
     for (int k = 0; k < s->num_attach_heights; k++) {
         check_at(checker, "attach_heights_m[]", k, s->attach_heights_m[k], -half, half);

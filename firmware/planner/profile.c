@@ -17,25 +17,28 @@
 #define TERMINAL_MARGIN real_max(REAL(5.9604644775390625e-8), 64 * REAL_NOISE)
 // How closely two ramps without a cruise cover their leg, as a fraction of it.
 #define PEAK_TOLERANCE real_max(REAL(1e-11), 4 * REAL_NOISE)
-// Where two such ramps meet: at this part of a ramp's peak its acceleration is typical of all of it; the first peak that is tried
-// is no more than this part of the top; a step of the log-odds is no more than this; and the hair.
+// Where two such ramps meet: at this part of a ramp's peak its acceleration is typical of all of it; the first peak
+// that is tried is no more than this part of the top; a step of the log-odds is no more than this; and the hair.
 #define TYPICAL REAL(0.7)
 #define FIRST REAL(0.9)
 #define FARTHEST REAL(4)
 #define HAIR REAL(1e-5)
-// A short optimal leg's ramps cover the distance to within twice this fraction, cruising the rest: in J that is its square.
+// A short optimal leg's ramps cover the distance to within twice this fraction, cruising the rest: in J that is its
+// square.
 #define SHORT_BY REAL(1e-5)
-// An estimated peak this close to the cruise is taken for the cruise; a peak found too low is left by a little more than asked.
+// An estimated peak this close to the cruise is taken for the cruise; a peak found too low is left by a little more
+// than asked.
 #define NEARLY REAL(0.97)
 #define BEYOND REAL(1.003)
 // Longer than any leg, as a multiple of it.
 #define HOLD_FOR_EVER REAL(100)
-// A coast counts as the cruise if the drag of the thruster that idles costs less than the first of these fractions of it, or if
-// that drag takes less than the second off the speed along the whole leg: between such speeds a ramp cannot be walked.
+// A coast counts as the cruise if the drag of the thruster that idles costs less than the first of these fractions of
+// it, or if that drag takes less than the second off the speed along the whole leg: between such speeds a ramp cannot
+// be walked.
 #define NEXT_TO_NOTHING REAL(1e-7)
 #define KEEPS_SPEED REAL(1e-4)
-// A speed that a scalar with a fixed smallest number rounds to nothing makes a leg longer than this power of two of its own units
-// of time; and the longest plan, in seconds.
+// A speed that a scalar with a fixed smallest number rounds to nothing makes a leg longer than this power of two of its
+// own units of time; and the longest plan, in seconds.
 #define EMPTY_EXPONENT 30
 #define LONGEST_PLAN_EXPONENT 15
 // A thrust below this fraction of the limit is none.
@@ -43,7 +46,8 @@
 
 real_t ssv_piece_speed(const ssv_piece_t* piece, real_t t_s) {
     if (piece->v_start == piece->v_end) return piece->v_start;
-    // From the end that is farther from a terminal speed: time there says little of the speed, the other way round it is exact.
+    // From the end that is farther from a terminal speed: time there says little of the speed, the other way round it
+    // is exact.
     const real_t Q_start = real_abs(ssv_quadratic_at(piece->law, piece->v_start));
     const real_t Q_end = real_abs(ssv_quadratic_at(piece->law, piece->v_end));
     const real_t v = Q_start >= Q_end ? ssv_law_speed(piece->law, piece->v_start, t_s)
@@ -62,7 +66,8 @@ void ssv_piece_thrust(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, in
     c[2] = real_mul(A, piece->law[2]) + thrusts->quadratic[i];
 }
 
-// ---- Where the ramps meet -----------------------------------------------------------------------------------------------
+// ---- Where the ramps meet
+// -----------------------------------------------------------------------------------------------
 
 // A leg in its own units, and what is decided of it: the two ramps, and how far the body cruises between them.
 typedef struct {
@@ -95,7 +100,8 @@ static ssv_outcome_t begin(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule,
     const bool optimal = rule->ramp == SSV_OPTIMAL;
     const real_t weight_impulse = optimal ? rule->weight_impulse_per_Ns : REAL(0);
     const real_t weight_time = real_max(rule->weight_time_per_s, real_mul(SSV_TIME_PRICE_MIN_N, weight_impulse));
-    if (!ssv_thrusts_scale(thrusts, weight_time, weight_impulse, distance, &leg->unit, &leg->thrusts)) return SSV_NO_AUTHORITY;
+    if (!ssv_thrusts_scale(thrusts, weight_time, weight_impulse, distance, &leg->unit, &leg->thrusts))
+        return SSV_NO_AUTHORITY;
     if (!ssv_laws_of(&leg->thrusts, &leg->steering.laws)) return SSV_NO_AUTHORITY;
     leg->distance = real_scale(distance, -leg->unit.length);
     leg->cutoff = real_scale(rule->cutoff, -leg->unit.speed);
@@ -132,11 +138,11 @@ static real_t next_knot(const ssv_ramp_table_t* ramp, real_t from, real_t to) {
     return to;
 }
 
-// Peak at which both ramps take the distance, to within PEAK_TOLERANCE of it; at the top they take more, leg->cruise being how
-// much. Safeguarded Newton on the root of the distance covered, over the log-odds of the peak, as a share of a hair more than the
-// top: the root is linear in the peak where there is no drag, a coast covers the log of its peak, and a ramp to a terminal speed
-// the log of what it lacks. Where Newton leaves the bracket, the distance covered is taken to be linear in the log-odds. No step
-// goes past a knot, and every other late one halves the bracket.
+// Peak at which both ramps take the distance, to within PEAK_TOLERANCE of it; at the top they take more, leg->cruise
+// being how much. Safeguarded Newton on the root of the distance covered, over the log-odds of the peak, as a share of
+// a hair more than the top: the root is linear in the peak where there is no drag, a coast covers the log of its peak,
+// and a ramp to a terminal speed the log of what it lacks. Where Newton leaves the bracket, the distance covered is
+// taken to be linear in the log-odds. No step goes past a knot, and every other late one halves the bracket.
 static void meet(leg_t* leg, real_t top) {
     const ssv_laws_t* laws = &leg->steering.laws;
     const real_t D = leg->distance, whole = top + real_mul(HAIR, top);
@@ -179,10 +185,11 @@ static void meet(leg_t* leg, real_t top) {
     if (leg->cruise < -real_mul(PEAK_TOLERANCE, D)) leg->cruise = cruise_at(leg, leg->peak = low, a);
 }
 
-// Of a leg so slow that this scalar rounds its speed to nothing. It takes longer than 2^EMPTY_EXPONENT of its own units of time.
-// Where that is not longer than the longest plan, only a finer scalar can tell.
+// Of a leg so slow that this scalar rounds its speed to nothing. It takes longer than 2^EMPTY_EXPONENT of its own units
+// of time. Where that is not longer than the longest plan, only a finer scalar can tell.
 static ssv_outcome_t too_slow(const leg_t* leg) {
-    if (leg->unit.time + EMPTY_EXPONENT < LONGEST_PLAN_EXPONENT) (void)real_div(REAL(1), REAL(0)); // counts as an overflow
+    if (leg->unit.time + EMPTY_EXPONENT < LONGEST_PLAN_EXPONENT)
+        (void)real_div(REAL(1), REAL(0)); // counts as an overflow
     return SSV_TOO_LONG;
 }
 
@@ -196,7 +203,8 @@ static ssv_outcome_t solve_paper(leg_t* leg, ssv_ramp_t ramp) {
         if (!extend(leg, SSV_SPEED_UP, top, &leg->up)) return SSV_TOO_MANY_PIECES;
         ssv_ramp_measure(laws, &leg->up);
     }
-    if (!extend(leg, SSV_BRAKE, reverse_from, &leg->slow) || !extend(leg, SSV_COAST, top, &leg->slow)) return SSV_TOO_MANY_PIECES;
+    if (!extend(leg, SSV_BRAKE, reverse_from, &leg->slow) || !extend(leg, SSV_COAST, top, &leg->slow))
+        return SSV_TOO_MANY_PIECES;
     ssv_ramp_keep_slowing(laws, &leg->slow);
     const real_t highest = ssv_ramp_top(&leg->slow);
     if (highest < top && highest <= reverse_from) return SSV_NO_AUTHORITY;
@@ -217,8 +225,8 @@ static bool always_resists(const ssv_laws_t* laws) {
     return true;
 }
 
-// Which coasts differ from the cruise. That is decided once for a leg, at about its peak: the conditions with and without a coast
-// differ a little, and a peak between them would meet neither.
+// Which coasts differ from the cruise. That is decided once for a leg, at about its peak: the conditions with and
+// without a coast differ a little, and a peak between them would meet neither.
 static void decide_coasts(leg_t* leg, real_t peak) {
     ssv_steering_t* s = &leg->steering;
     const real_t rate = s->weight_time + real_mul(s->weight_impulse, ssv_holding_thrust(&leg->thrusts, peak));
@@ -230,8 +238,8 @@ static void decide_coasts(leg_t* leg, real_t peak) {
     }
 }
 
-// Both ramps from rest to the peak, with the marginal cost of distance that makes this peak the right one; the distance left
-// between them is cruised. A ramp of full thrust ahead, which no marginal cost changes, is kept once it is there.
+// Both ramps from rest to the peak, with the marginal cost of distance that makes this peak the right one; the distance
+// left between them is cruised. A ramp of full thrust ahead, which no marginal cost changes, is kept once it is there.
 static bool thrifty_ramps(leg_t* leg, real_t peak, real_t a[2]) {
     ssv_steering_t* s = &leg->steering;
     const bool resists = always_resists(&s->laws);
@@ -249,18 +257,19 @@ static bool thrifty_ramps(leg_t* leg, real_t peak, real_t a[2]) {
     return true;
 }
 
-// How far to cruise at this peak before a higher one is worth its ramps, which end there at accelerations a[up] and -a[slow].
-// With C = L - L(v, 0), dJ / d peak = C / a of both ramps + cruise time * d L(v, 0) / dv - cruise time * lambda. In the first a
-// thruster cancels unless it idles between the two accelerations, closer to the cruise than the ramp that ends on its side; a
-// ramp that ends at a limit passes only coasts that count as the cruise. In the last two all but the price of time and the bend
-// of the drag cancels.
+// How far to cruise at this peak before a higher one is worth its ramps, which end there at accelerations a[up] and
+// -a[slow]. With C = L - L(v, 0), dJ / d peak = C / a of both ramps + cruise time * d L(v, 0) / dv - cruise time *
+// lambda. In the first a thruster cancels unless it idles between the two accelerations, closer to the cruise than the
+// ramp that ends on its side; a ramp that ends at a limit passes only coasts that count as the cruise. In the last two
+// all but the price of time and the bend of the drag cancels.
 static real_t worth_holding(const leg_t* leg, real_t peak, const real_t a[2]) {
     const ssv_steering_t* s = &leg->steering;
     const ssv_thrusts_t* t = &leg->thrusts;
     const real_t most = real_mul(HOLD_FOR_EVER, leg->distance);
     real_t kink = REAL(0), bend = REAL(0);
     for (int k = 0; k < s->laws.num; k++) {
-        const real_t idle = real_mul(peak, s->laws.linear[k] + real_mul(peak, s->laws.quadratic[k])), size = real_abs(idle);
+        const real_t idle = real_mul(peak, s->laws.linear[k] + real_mul(peak, s->laws.quadratic[k])),
+                     size = real_abs(idle);
         const real_t to = idle > REAL(0) ? a[0] : a[1];
         if (!ssv_ramp_idles(idle > REAL(0) ? &leg->up : &leg->slow)) {
             kink += s->coasts[k] ? REAL(0) : s->laws.weight[k];
@@ -277,16 +286,19 @@ static real_t worth_holding(const leg_t* leg, real_t peak, const real_t a[2]) {
     return cost >= real_mul(gain, most) ? most : real_div(cost, gain);
 }
 
-// A long leg cruises at the cheapest speed. A short one has the peak whose ramps just cover the distance: from an estimate,
-// regula falsi on the root of the covered fraction, which is nearly linear in the peak, aimed a hair short; the hair is cruised.
+// A long leg cruises at the cheapest speed. A short one has the peak whose ramps just cover the distance: from an
+// estimate, regula falsi on the root of the covered fraction, which is nearly linear in the peak, aimed a hair short;
+// the hair is cruised.
 static ssv_outcome_t solve_optimal(leg_t* leg) {
     const ssv_steering_t* s = &leg->steering;
     real_t cruise = ssv_cruise_speed(&leg->thrusts, s->weight_time, s->weight_impulse, leg->top), price, peak = cruise;
-    if (cruise < leg->top) cruise -= real_mul(TERMINAL_MARGIN, cruise); // a coast to where a drag turns never gets there
+    if (cruise < leg->top)
+        cruise -= real_mul(TERMINAL_MARGIN, cruise); // a coast to where a drag turns never gets there
     real_t low = REAL(0), low_miss = -REAL(1), high = cruise, high_miss = REAL(0);
     bool was_above = true, bracketed = false;
     real_t a[2];
-    (void)ssv_profile_estimate(&leg->thrusts, s->weight_time, s->weight_impulse, leg->distance, SSV_ESTIMATE_CLOSELY, &price, &peak);
+    (void)ssv_profile_estimate(&leg->thrusts, s->weight_time, s->weight_impulse, leg->distance, SSV_ESTIMATE_CLOSELY,
+                               &price, &peak);
     if (peak > real_mul(NEARLY, cruise)) peak = cruise;
     decide_coasts(leg, peak);
     for (int n = 0; n < MAX_FALSI; n++) {
@@ -299,7 +311,8 @@ static ssv_outcome_t solve_optimal(leg_t* leg) {
         if (leg->cruise >= REAL(0) && meets) return SSV_FEASIBLE;
         // Illinois: an end that stays twice counts half.
         const bool above = miss > REAL(0);
-        if (bracketed && above == was_above) *(above ? &low_miss : &high_miss) = real_mul(REAL(0.5), above ? low_miss : high_miss);
+        if (bracketed && above == was_above)
+            *(above ? &low_miss : &high_miss) = real_mul(REAL(0.5), above ? low_miss : high_miss);
         *(above ? &high : &low) = peak;
         *(above ? &high_miss : &low_miss) = miss;
         was_above = above;
@@ -325,7 +338,8 @@ static ssv_outcome_t solve(leg_t* leg, ssv_ramp_t ramp) {
     return SSV_FEASIBLE;
 }
 
-// ---- What it costs ------------------------------------------------------------------------------------------------------
+// ---- What it costs
+// ------------------------------------------------------------------------------------------------------
 
 // Integral of |c[0] + c[1] v + c[2] v^2| over a stretch of a law.
 static real_t integral_of_size(const real_t law[3], const ssv_stretch_t* stretch, const real_t c[3], real_t nothing) {
@@ -368,7 +382,9 @@ typedef struct {
     bool falls;
 } part_t;
 
-static int num_parts(const leg_t* leg) { return leg->up.last + 1 + (leg->cruise > REAL(0) ? 1 : 0) + leg->slow.last + 1; }
+static int num_parts(const leg_t* leg) {
+    return leg->up.last + 1 + (leg->cruise > REAL(0) ? 1 : 0) + leg->slow.last + 1;
+}
 
 static void take_part(leg_t* leg, int n, part_t* part) {
     const int back = num_parts(leg) - 1 - n; // the slow ramp backwards
@@ -390,10 +406,13 @@ static void take_part(leg_t* leg, int n, part_t* part) {
 // Longest time in a leg's units, as a power of two, that SI units can hold.
 #define LONGEST_EXPONENT 24
 
-// Adds the part to the price, and as a piece to the profile unless that is NULL; it begins at `from` in the leg's units.
-static void append(const leg_t* leg, const part_t* part, real_t from, ssv_profile_price_t* price, ssv_profile_t* profile) {
+// Adds the part to the price, and as a piece to the profile unless that is NULL; it begins at `from` in the leg's
+// units.
+static void append(const leg_t* leg, const part_t* part, real_t from, ssv_profile_price_t* price,
+                   ssv_profile_t* profile) {
     const ssv_units_t* unit = &leg->unit;
-    const real_t low = real_scale(part->stretch->v_low, unit->speed), high = real_scale(part->stretch->v_high, unit->speed);
+    const real_t low = real_scale(part->stretch->v_low, unit->speed),
+                 high = real_scale(part->stretch->v_high, unit->speed);
     const real_t duration_s = real_scale(part->stretch->m.time, unit->time);
     if (profile != NULL) {
         ssv_piece_t* piece = &profile->piece[profile->num_pieces++];
@@ -402,7 +421,8 @@ static void append(const leg_t* leg, const part_t* part, real_t from, ssv_profil
                                .s = real_scale(from, unit->length),
                                .v_start = part->falls ? high : low,
                                .v_end = part->falls ? low : high};
-        for (int n = 0; n < 3; n++) piece->law[n] = real_scale(part->law[n], unit->speed - unit->time - n * unit->speed);
+        for (int n = 0; n < 3; n++)
+            piece->law[n] = real_scale(part->law[n], unit->speed - unit->time - n * unit->speed);
     }
     price->duration_s += duration_s;
     price->impulse_Ns += real_scale(part->impulse, unit->time + unit->force);
@@ -422,7 +442,8 @@ static ssv_profile_price_t finish(leg_t* leg, ssv_outcome_t outcome, ssv_profile
     for (; n < num_parts(leg); n++) {
         part_t part;
         take_part(leg, n, &part);
-        price.outcome = real_exponent(part.stretch->m.time) + leg->unit.time > LONGEST_EXPONENT ? SSV_TOO_LONG : SSV_FEASIBLE;
+        price.outcome =
+            real_exponent(part.stretch->m.time) + leg->unit.time > LONGEST_EXPONENT ? SSV_TOO_LONG : SSV_FEASIBLE;
         if (price.outcome == SSV_FEASIBLE) append(leg, &part, from, &price, profile);
         from += part.stretch->m.distance;
         if (price.duration_s > SSV_DURATION_MAX_S) price.outcome = SSV_TOO_LONG;
@@ -441,11 +462,13 @@ ssv_profile_price_t ssv_profile_price(const ssv_thrusts_t* thrusts, const ssv_ru
     return finish(&leg, outcome == SSV_FEASIBLE ? solve(&leg, rule->ramp) : outcome, NULL);
 }
 
-ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule, real_t distance, ssv_profile_t* profile) {
+ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule, real_t distance,
+                                ssv_profile_t* profile) {
     leg_t leg;
     const ssv_outcome_t outcome = begin(thrusts, rule, distance, &leg);
     profile->num_pieces = 0;
-    const ssv_profile_price_t price = finish(&leg, outcome == SSV_FEASIBLE ? solve(&leg, rule->ramp) : outcome, profile);
+    const ssv_profile_price_t price =
+        finish(&leg, outcome == SSV_FEASIBLE ? solve(&leg, rule->ramp) : outcome, profile);
     profile->duration_s = price.duration_s;
     profile->impulse_Ns = price.impulse_Ns;
     profile->peak_speed = price.peak_speed;

@@ -37,14 +37,16 @@ static void search_paper(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_c
     for (int k = 0; k < quote->num_candidates; k++) {
         ssv_candidate_t* candidate = &quote->candidate[k];
         const int contact = candidate->contact;
-        if (!ssv_search_paper(problem, contact, candidate->attach_height_m, &to_beat, &to_beam, &chain, &quote->num_priced)) continue;
+        if (!ssv_search_paper(problem, contact, candidate->attach_height_m, &to_beat, &to_beam, &chain,
+                              &quote->num_priced))
+            continue;
         improve(candidate, ssv_candidate_of(&chain.grasp, &chain.price));
         if (ssv_price_beats(&chain.price, &best->price)) *best = chain;
     }
 }
 
-// Candidates that method optimal looks at, by effort: those with the shortest ways; and how many of the most promising it
-// searches, beside those that promise the same.
+// Candidates that method optimal looks at, by effort: those with the shortest ways; and how many of the most promising
+// it searches, beside those that promise the same.
 static const int num_looks[] = {[SSV_EFFORT_QUICK] = 2, [SSV_EFFORT_BEST] = SSV_MAX_CANDIDATES};
 static const int num_searched[] = {[SSV_EFFORT_QUICK] = 1, [SSV_EFFORT_BEST] = 2};
 
@@ -60,7 +62,8 @@ static int least_of(const real_t price[SSV_MAX_CANDIDATES], const bool done[SSV_
 // Searches a candidate, with a look before if effort quick needs one.
 static ssv_candidate_t search_at(const ssv_problem_t* problem, ssv_search_t* search, int contact, real_t height_m,
                                  ssv_effort_t effort, bool looked, ssv_chain_t* best, int* num_priced) {
-    if (!looked && effort == SSV_EFFORT_QUICK) (void)ssv_optimal_look(problem, search, contact, height_m, NULL, num_priced);
+    if (!looked && effort == SSV_EFFORT_QUICK)
+        (void)ssv_optimal_look(problem, search, contact, height_m, NULL, num_priced);
     return ssv_search_optimal(problem, search, contact, height_m, effort, best, num_priced);
 }
 
@@ -83,9 +86,11 @@ SSV_OWN_FRAME static void search_optimal(const ssv_problem_t* problem, ssv_searc
         looked[next] = true;
         // No look where the flights, and turns of half the price of the best so far, cost as much as that.
         const real_t flights = promise[next];
-        done[next] = !all && to_beat != NULL && (n >= num_looks[effort] || flights + real_mul(REAL(0.5), turns) >= *to_beat);
+        done[next] =
+            !all && to_beat != NULL && (n >= num_looks[effort] || flights + real_mul(REAL(0.5), turns) >= *to_beat);
         if (done[next]) continue;
-        promise[next] = ssv_optimal_look(problem, search, candidate->contact, candidate->attach_height_m, to_beat, &quote->num_priced);
+        promise[next] = ssv_optimal_look(problem, search, candidate->contact, candidate->attach_height_m, to_beat,
+                                         &quote->num_priced);
         if (to_beat != NULL && !ssv_clearly_less(promise[next], *to_beat)) continue;
         favourite = next;
         turns = promise[next] - flights;
@@ -94,19 +99,22 @@ SSV_OWN_FRAME static void search_optimal(const ssv_problem_t* problem, ssv_searc
         const int next = n == 0 ? favourite : least_of(promise, done, quote->num_candidates);
         if (next < 0 || !(all || n < num_searched[effort] || ssv_alike(promise[favourite], promise[next]))) break;
         // A search rarely gains more than that on a look.
-        const bool hopeless = best->price.outcome == SSV_FEASIBLE && promise[next] >= real_mul(REAL(1.02), best->price.cost);
+        const bool hopeless =
+            best->price.outcome == SSV_FEASIBLE && promise[next] >= real_mul(REAL(1.02), best->price.cost);
         if (n > 0 && !all && hopeless) break;
         ssv_candidate_t* candidate = &quote->candidate[next];
         done[next] = true;
-        improve(candidate, search_at(problem, search, candidate->contact, candidate->attach_height_m, effort, n == 0, best,
-                                     &quote->num_priced));
+        improve(candidate, search_at(problem, search, candidate->contact, candidate->attach_height_m, effort, n == 0,
+                                     best, &quote->num_priced));
     }
 }
 
-// Steps along the beam from the best height so far to the better side, shorter where neither gains; each with a quick search.
+// Steps along the beam from the best height so far to the better side, shorter where neither gains; each with a quick
+// search.
 #define FIRST_HEIGHT_STEP REAL(0.125) // of the beam
 #define NUM_HEIGHT_STEPS 6
-static void search_along_beam(const ssv_problem_t* problem, ssv_search_t* search, ssv_quote_t* quote, ssv_chain_t* best) {
+static void search_along_beam(const ssv_problem_t* problem, ssv_search_t* search, ssv_quote_t* quote,
+                              ssv_chain_t* best) {
     const real_t length = problem->scenario.beam.length_m, end = real_mul(REAL(0.5), length);
     real_t step = real_mul(FIRST_HEIGHT_STEP, length);
     for (int n = 0; n < NUM_HEIGHT_STEPS && best->price.outcome == SSV_FEASIBLE; n++) {
@@ -121,7 +129,8 @@ static void search_along_beam(const ssv_problem_t* problem, ssv_search_t* search
     }
 }
 
-_Static_assert(sizeof(ssv_search_t) <= sizeof(((ssv_problem_t*)0)->work), "the search fits the problem's memory for it");
+_Static_assert(sizeof(ssv_search_t) <= sizeof(((ssv_problem_t*)0)->work),
+               "the search fits the problem's memory for it");
 
 // An empty quote with the candidates that there are.
 static void begin(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
@@ -142,8 +151,8 @@ bool ssv_choose(ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
     const ssv_scenario_t* scenario = &problem->scenario;
     if (scenario->method == SSV_METHOD_PAPER) return ssv_choose_paper(problem, quote, best);
     begin(problem, quote, best);
-    // More effort starts with what less effort does, and the paper's chains follow where these could still be cheaper: neither
-    // ever costs more.
+    // More effort starts with what less effort does, and the paper's chains follow where these could still be cheaper:
+    // neither ever costs more.
     ssv_search_t* search = (ssv_search_t*)problem->work;
     search_optimal(problem, search, SSV_EFFORT_QUICK, quote, best);
     if (scenario->attach_anywhere) search_along_beam(problem, search, quote, best);
@@ -152,7 +161,8 @@ bool ssv_choose(ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
         const int contact = between ? best->grasp.contact : 0;
         const real_t height_m = between ? best->grasp.height_m : REAL(0);
         search_optimal(problem, search, SSV_EFFORT_BEST, quote, best);
-        if (between) (void)ssv_search_optimal(problem, search, contact, height_m, SSV_EFFORT_BEST, best, &quote->num_priced);
+        if (between)
+            (void)ssv_search_optimal(problem, search, contact, height_m, SSV_EFFORT_BEST, best, &quote->num_priced);
     }
     search_paper(problem, quote, best);
     return best->price.outcome == SSV_FEASIBLE;
@@ -165,7 +175,8 @@ bool ssv_choose_another(const ssv_problem_t* problem, ssv_outcome_t outcome, ssv
     if (k < 0) return false;
     const ssv_candidate_t* candidate = &quote->candidate[k];
     ssv_flight_t to_beam = {.num_moves = 0};
-    (void)ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, NULL, &to_beam, chain, &quote->num_priced);
+    (void)ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, NULL, &to_beam, chain,
+                           &quote->num_priced);
     return true;
 }
 
@@ -178,7 +189,8 @@ void ssv_quote_settle(const ssv_problem_t* problem, const ssv_chain_t* chain, ss
     quote->lower_bound = ssv_lower_bound(problem);
     for (int k = 0; k < quote->num_candidates; k++) {
         ssv_candidate_t* candidate = &quote->candidate[k];
-        const bool chosen = candidate->contact == chain->grasp.contact && candidate->attach_height_m == chain->grasp.height_m;
+        const bool chosen =
+            candidate->contact == chain->grasp.contact && candidate->attach_height_m == chain->grasp.height_m;
         if (chosen) *candidate = quote->choice;
     }
     if (problem->scenario.want_candidates) return;
@@ -205,7 +217,8 @@ ssv_status_t ssv_quote(ssv_problem_t* problem, ssv_quote_t* quote) {
     return ssv_quote_conclude(problem, overflows, quote);
 }
 
-// ---- Front --------------------------------------------------------------------------------------------------------------
+// ---- Front
+// --------------------------------------------------------------------------------------------------------------
 
 // Weights in units in which one thruster at its limit costs as much per second as the rung says, time one.
 #define NUM_RUNGS 9
@@ -213,7 +226,8 @@ static const real_t rungs[NUM_RUNGS][2] = {{REAL(1), REAL(0)},   {REAL(1), REAL(
                                            {REAL(1), REAL(0.5)}, {REAL(1), REAL(2)},    {REAL(1), REAL(10)},
                                            {REAL(1), REAL(100)}, {REAL(0), REAL(1)},    {REAL(0), REAL(0)}};
 
-// Adds the point if none is at least as good in both, and drops those that it makes needless. Room is kept for spare more.
+// Adds the point if none is at least as good in both, and drops those that it makes needless. Room is kept for spare
+// more.
 static void front_add(ssv_front_t* front, const ssv_candidate_t* point, int spare) {
     int kept = 0;
     for (int k = 0; k < front->num_points; k++) {
@@ -245,7 +259,8 @@ ssv_status_t ssv_front(ssv_problem_t* problem, ssv_front_t* front) {
         const bool itself = n == NUM_RUNGS - 1;
         scenario->want_candidates = !itself || want_candidates;
         scenario->weight_time_per_s = itself ? weight_time : rungs[n][0];
-        scenario->weight_impulse_per_Ns = itself ? weight_impulse : real_div(rungs[n][1], scenario->vehicle.force_max_N);
+        scenario->weight_impulse_per_Ns =
+            itself ? weight_impulse : real_div(rungs[n][1], scenario->vehicle.force_max_N);
         if (ssv_quote(problem, &quote) != SSV_OK) continue;
         front->status = SSV_OK;
         front_add(front, &quote.choice, NUM_RUNGS - 1 - n);

@@ -7,17 +7,19 @@
 
 // Two laws closer than this fraction of their size are one law: the rest is rounding.
 #define SAME_LAW real_max(REAL(1e-11), 16 * REAL_NOISE)
-// The next knot lies at least this fraction of the top speed beyond the last; a law found out of place in between is so by
-// rounding only.
+// The next knot lies at least this fraction of the top speed beyond the last; a law found out of place in between is so
+// by rounding only.
 #define PROBE real_max(REAL(9.3132257461547852e-10), 16 * REAL_NOISE)
-// The thrifty rules judge a law so far beyond the speed at which it takes over, as a fraction of that speed. Thrusters that would
-// idle this close together idle together.
+// The thrifty rules judge a law so far beyond the speed at which it takes over, as a fraction of that speed. Thrusters
+// that would idle this close together idle together.
 #define LOOK_AHEAD real_max(REAL(1e-6), 256 * REAL_NOISE)
 #define TOGETHER real_max(REAL(1e-9), 64 * REAL_NOISE)
 
-// ---- Which law holds at which speed -------------------------------------------------------------------------------------
+// ---- Which law holds at which speed
+// -------------------------------------------------------------------------------------
 
-// A law's number: thruster k at its limit forwards, idle, or at its limit backwards. A power of two is quick to divide by.
+// A law's number: thruster k at its limit forwards, idle, or at its limit backwards. A power of two is quick to divide
+// by.
 enum { BACKWARDS = 0, IDLE = 1, FORWARDS = 2, SIDES = 4 };
 
 static int number(int k, int side) { return SIDES * k + side; }
@@ -52,8 +54,8 @@ static real_t difference(const ssv_steering_t* s, int a, int b, real_t d[3]) {
     return real_mul(SAME_LAW, real_abs(a0) + s->size[i] + real_abs(b0) + s->size[j]);
 }
 
-// Sign of a - b just beyond speed v: by value, then slope, then curvature, each only if it is more than rounding. Laws of
-// thrusters that mirror each other often agree at v and part later.
+// Sign of a - b just beyond speed v: by value, then slope, then curvature, each only if it is more than rounding. Laws
+// of thrusters that mirror each other often agree at v and part later.
 static int compare(const ssv_steering_t* s, int a, int b, real_t v) {
     real_t d[3];
     const real_t noise = difference(s, a, b, d);
@@ -85,8 +87,8 @@ static real_t kinks_below(const ssv_steering_t* s, int law, real_t v) {
     return sum;
 }
 
-// Least sum of |u_i|: that sum is convex and piecewise linear in a with a kink of height |accel_i| where u_i = 0, so the
-// minimum is the weighted median of the kinks. Of equal ones the stronger braking is taken.
+// Least sum of |u_i|: that sum is convex and piecewise linear in a with a kink of height |accel_i| where u_i = 0, so
+// the minimum is the weighted median of the kinks. Of equal ones the stronger braking is taken.
 static int coast_at(const ssv_steering_t* s, real_t v) {
     const real_t half = real_mul(REAL(0.5) - SAME_LAW, s->laws.total);
     const int limit = limit_at(s, BACKWARDS, v);
@@ -104,8 +106,8 @@ static int law_at(const ssv_steering_t* s, ssv_policy_t policy, real_t v) {
     return policy == SSV_COAST ? coast_at(s, v) : limit_at(s, policy == SSV_SPEED_UP ? FORWARDS : BACKWARDS, v);
 }
 
-// First speed in (from, to) at which a limit, or with `kinks` another thruster's idling, crosses this law, or a passive thruster
-// changes its sign.
+// First speed in (from, to) at which a limit, or with `kinks` another thruster's idling, crosses this law, or a passive
+// thruster changes its sign.
 static real_t next_crossing(const ssv_steering_t* s, int side, bool kinks, int law, real_t from, real_t to) {
     real_t next = to, d[3];
     for (int k = 0; k < s->laws.num; k++) {
@@ -127,17 +129,19 @@ static real_t next_crossing(const ssv_steering_t* s, int side, bool kinks, int l
     return next;
 }
 
-// ---- The thrifty rules --------------------------------------------------------------------------------------------------
+// ---- The thrifty rules
+// --------------------------------------------------------------------------------------------------
 
-// The optimality conditions ask for the least C(a) / |a|, where C(a) = L(v, a) - lambda v is convex and piecewise linear in a:
-// for the kink, or the limit, at which a line from the origin touches C. There the line through the next stretch inwards, towards
-// a = 0, meets a = 0 at or above zero, and the one outwards at or below. Walking along the kinks finds it, and rounding cannot
-// pick among kinks that are nearly equal.
+// The optimality conditions ask for the least C(a) / |a|, where C(a) = L(v, a) - lambda v is convex and piecewise
+// linear in a: for the kink, or the limit, at which a line from the origin touches C. There the line through the next
+// stretch inwards, towards a = 0, meets a = 0 at or above zero, and the one outwards at or below. Walking along the
+// kinks finds it, and rounding cannot pick among kinks that are nearly equal.
 enum { INWARDS = 0, OUTWARDS = 1 };
 
-// Adds a thruster's part of a line: what it costs there less what it costs to hold the top speed, which lambda takes off. The
-// difference is taken thruster by thruster, because of the whole all but the price of time cancels.
-static void add_cost(const ssv_steering_t* s, real_t weight, real_t linear, real_t quadratic, bool positive, real_t line[3]) {
+// Adds a thruster's part of a line: what it costs there less what it costs to hold the top speed, which lambda takes
+// off. The difference is taken thruster by thruster, because of the whole all but the price of time cancels.
+static void add_cost(const ssv_steering_t* s, real_t weight, real_t linear, real_t quadratic, bool positive,
+                     real_t line[3]) {
     const real_t cost = real_mul(s->weight_impulse, weight), bend = real_mul(s->top, quadratic);
     const bool held = linear + bend < REAL(0);
     const real_t slope = positive == held ? bend : bend + real_mul(REAL(2), linear);
@@ -145,8 +149,8 @@ static void add_cost(const ssv_steering_t* s, real_t weight, real_t linear, real
     line[2] -= real_mul(positive ? cost : -cost, quadratic);
 }
 
-// Where these lines meet a = 0, over the speed; while no thruster's sign changes, at `mid` and around, a quadratic in it. The one
-// outwards with its sign turned: a law holds where neither is below zero.
+// Where these lines meet a = 0, over the speed; while no thruster's sign changes, at `mid` and around, a quadratic in
+// it. The one outwards with its sign turned: a law holds where neither is below zero.
 static void tangents(const ssv_steering_t* s, bool up, int law, real_t mid, real_t line[2][3]) {
     const ssv_laws_t* laws = &s->laws;
     real_t c[3];
@@ -179,8 +183,8 @@ typedef struct {
     int law, left;
 } walk_t;
 
-// To the next law that way at a speed: a kink short of the limit, or the limit that holds from `at` on. @return false if there is
-// none.
+// To the next law that way at a speed: a kink short of the limit, or the limit that holds from `at` on. @return false
+// if there is none.
 static bool step(const ssv_steering_t* s, int side, int way, real_t at, real_t v, walk_t* walk) {
     const ssv_laws_t* laws = &s->laws;
     const real_t sign = side == FORWARDS ? REAL(1) : REAL(-1);
@@ -204,8 +208,8 @@ static bool step(const ssv_steering_t* s, int side, int way, real_t at, real_t v
     return true;
 }
 
-// Where in (at, to) a law's line falls below zero, where that law holds no longer, else to. A line that is there from the start,
-// because there is no law to step to, comes back first.
+// Where in (at, to) a law's line falls below zero, where that law holds no longer, else to. A line that is there from
+// the start, because there is no law to step to, comes back first.
 static real_t leaves(const real_t line[3], real_t at, real_t to) {
     const real_t here = ssv_quadratic_at(line, at), root = ssv_quadratic_root_after(line, at, to);
     if (here < REAL(0)) return ssv_quadratic_root_after(line, root, to);
@@ -213,8 +217,8 @@ static real_t leaves(const real_t line[3], real_t at, real_t to) {
     return root == to && here + ssv_quadratic_at(line, to) < REAL(0) ? at : root;
 }
 
-// From the law that held below v, or the limit (-1), to that which holds above; *next is the speed up to which it does, and *way
-// where the walk goes on from there (-1: a crossing).
+// From the law that held below v, or the limit (-1), to that which holds above; *next is the speed up to which it does,
+// and *way where the walk goes on from there (-1: a crossing).
 static int thrifty_law(const ssv_steering_t* s, int side, walk_t* walk, real_t v, real_t top, real_t* next, int* way) {
     const bool up = side == FORWARDS;
     const real_t at = real_min(v + real_max(real_mul(PROBE, s->top), real_mul(LOOK_AHEAD, v)), top);
@@ -238,7 +242,8 @@ static int thrifty_law(const ssv_steering_t* s, int side, walk_t* walk, real_t v
     return walk->law;
 }
 
-// ---- Ramps: speed as a chain of laws, and the distance it takes ---------------------------------------------------------
+// ---- Ramps: speed as a chain of laws, and the distance it takes
+// ---------------------------------------------------------
 
 bool ssv_ramp_extend(const ssv_steering_t* s, ssv_policy_t policy, real_t top, int room, ssv_ramp_table_t* ramp) {
     const int side = policy == SSV_SPEED_UP || policy == SSV_THRIFTY_UP ? FORWARDS : BACKWARDS;
@@ -274,7 +279,8 @@ void ssv_ramp_keep_slowing(const ssv_laws_t* laws, ssv_ramp_table_t* ramp) {
         const ssv_stretch_t* stretch = ssv_ramp_stretch(ramp, k);
         real_t c[3];
         ssv_ramp_law(laws, stretch->law, c);
-        const bool slows = ssv_quadratic_at(c, stretch->v_low) < REAL(0) && ssv_quadratic_at(c, stretch->v_high) < REAL(0) &&
+        const bool slows = ssv_quadratic_at(c, stretch->v_low) < REAL(0) &&
+                           ssv_quadratic_at(c, stretch->v_high) < REAL(0) &&
                            ssv_quadratic_root_after(c, stretch->v_low, stretch->v_high) >= stretch->v_high;
         if (!slows) ramp->num = k;
     }
@@ -312,7 +318,8 @@ real_t ssv_ramp_reach(const ssv_laws_t* laws, ssv_ramp_table_t* ramp, real_t v, 
         *acceleration = REAL(0);
         return REAL(0);
     }
-    for (; k + 1 < ramp->num && ssv_ramp_stretch(ramp, k)->v_high < v; k++) reach += ssv_ramp_stretch(ramp, k)->m.distance;
+    for (; k + 1 < ramp->num && ssv_ramp_stretch(ramp, k)->v_high < v; k++)
+        reach += ssv_ramp_stretch(ramp, k)->m.distance;
     const ssv_stretch_t* stretch = ssv_ramp_stretch(ramp, k);
     ssv_ramp_law(laws, stretch->law, c);
     *acceleration = real_abs(ssv_quadratic_at(c, v));

@@ -11,10 +11,12 @@ typedef enum { SSV_SPEED_UP, SSV_BRAKE, SSV_COAST, SSV_THRIFTY_UP, SSV_THRIFTY_S
 /// A leg's laws, and what the rules need beside them.
 typedef struct {
     ssv_laws_t laws;
-    real_t top;                        ///< speeds go up to here
-    real_t size[SSV_NUM_THRUSTERS];    ///< of the idle law, up to the top: what rounding is judged against
-    real_t weight_time, weight_impulse; ///< of the thrifty rules, whose marginal cost of distance is that of holding the top
-    bool coasts[SSV_NUM_THRUSTERS];    ///< thrifty rules: whether a coast on this thruster differs from a cruise, up to the top
+    real_t top;                     ///< speeds go up to here
+    real_t size[SSV_NUM_THRUSTERS]; ///< of the idle law, up to the top: what rounding is judged against
+    real_t weight_time,
+        weight_impulse; ///< of the thrifty rules, whose marginal cost of distance is that of holding the top
+    bool coasts[SSV_NUM_THRUSTERS]; ///< thrifty rules: whether a coast on this thruster differs from a cruise, up to
+                                    ///< the top
 } ssv_steering_t;
 
 /// Sets the speed that ramps go up to.
@@ -26,20 +28,22 @@ void ssv_steering_up_to(ssv_steering_t* steering, real_t top);
 /// A stretch of a ramp under one law, between two speeds.
 typedef struct {
     real_t v_low, v_high;
-    ssv_moments_t m;                   ///< integrals over it; distance is from v_low to v_high
-    int law;                           ///< see ssv_ramp_law
+    ssv_moments_t m; ///< integrals over it; distance is from v_low to v_high
+    int law;         ///< see ssv_ramp_law
 } ssv_stretch_t;
 
-/// A ramp from rest upwards. The stretches lie `step` apart, so that two ramps can grow from both ends of one array. A ramp to a
-/// speed of zero is empty: it has no stretch, covers no distance and takes no time.
+/// A ramp from rest upwards. The stretches lie `step` apart, so that two ramps can grow from both ends of one array. A
+/// ramp to a speed of zero is empty: it has no stretch, covers no distance and takes no time.
 typedef struct {
     ssv_stretch_t* first;
     int step, num;
-    int last;                          ///< where it was last looked at: the stretch, -1 of an empty ramp,
-    ssv_stretch_t cut;                 ///< and that up to there
+    int last;          ///< where it was last looked at: the stretch, -1 of an empty ramp,
+    ssv_stretch_t cut; ///< and that up to there
 } ssv_ramp_table_t;
 
-static inline ssv_stretch_t* ssv_ramp_stretch(const ssv_ramp_table_t* ramp, int k) { return ramp->first + k * ramp->step; }
+static inline ssv_stretch_t* ssv_ramp_stretch(const ssv_ramp_table_t* ramp, int k) {
+    return ramp->first + k * ramp->step;
+}
 
 /// Speed up to which a ramp goes.
 static inline real_t ssv_ramp_top(const ssv_ramp_table_t* ramp) {
@@ -49,7 +53,8 @@ static inline real_t ssv_ramp_top(const ssv_ramp_table_t* ramp) {
 /// dv/dt = Q(v) of a stretch.
 void ssv_ramp_law(const ssv_laws_t* laws, int law, real_t c[3]);
 
-/// Extends the ramp under one rule to a speed, with at most `room` stretches in all. @return false if these do not suffice.
+/// Extends the ramp under one rule to a speed, with at most `room` stretches in all. @return false if these do not
+/// suffice.
 bool ssv_ramp_extend(const ssv_steering_t* steering, ssv_policy_t policy, real_t top, int room, ssv_ramp_table_t* ramp);
 
 /// Ends the ramp where its speed would no longer fall.

@@ -1,5 +1,5 @@
-// Q31.32 (ssv/real_fixed.h); nothing where another scalar is built. Inside the transcendental functions numbers have 62 or 61
-// bits after the point ("q62", "q61").
+// Q31.32 (ssv/real_fixed.h); nothing where another scalar is built. Inside the transcendental functions numbers have 62
+// or 61 bits after the point ("q62", "q61").
 #include "ssv/real.h"
 
 #if defined SSV_REAL_FIXED
@@ -29,7 +29,8 @@ static real_t overflow(bool negative) {
     return negative ? -REAL_MAX : REAL_MAX;
 }
 
-// ---- 64 x 64 -> 128 bits ------------------------------------------------------------------------------------------------
+// ---- 64 x 64 -> 128 bits
+// ------------------------------------------------------------------------------------------------
 
 typedef struct {
     uint64_t high, low;
@@ -68,7 +69,8 @@ static uint64_t size_of(int64_t a) { return a < 0 ? 0 - (uint64_t)a : (uint64_t)
 
 static int64_t with_sign(bool negative, uint64_t size) { return negative ? -(int64_t)size : (int64_t)size; }
 
-// ---- The four operations and the root -----------------------------------------------------------------------------------
+// ---- The four operations and the root
+// -----------------------------------------------------------------------------------
 
 real_t real_mul(real_t a, real_t b) {
     const wide_t p = signed_product(a, b);
@@ -125,7 +127,8 @@ real_t real_sqrt(real_t a) {
     const int half_shift = __builtin_clzll((uint64_t)a) / 2;
     const uint64_t x = (uint64_t)a << (2 * half_shift); // in [2^62, 2^64)
     const uint32_t x32 = (uint32_t)(x >> 32);
-    // 1 / sqrt(x 2^-64) with 31 bits after the point, never too large: a straight line to within 9 %, then Newton's steps.
+    // 1 / sqrt(x 2^-64) with 31 bits after the point, never too large: a straight line to within 9 %, then Newton's
+    // steps.
     uint32_t y = (uint32_t)(0x111000000u - ((uint64_t)x32 * 0x9c000000u >> 32));
     for (int n = 0; n < 4; n++) {
         const uint32_t one = (uint32_t)(((uint64_t)y * y >> 32) * x32 >> 32); // 30 bits after the point
@@ -148,7 +151,8 @@ real_t real_scale(real_t a, int n) {
 
 int real_exponent(real_t a) { return a == 0 ? 0 : 32 - __builtin_clzll(size_of(a)); }
 
-// ---- Transcendental functions -------------------------------------------------------------------------------------------
+// ---- Transcendental functions
+// -------------------------------------------------------------------------------------------
 
 // c[0] + c[1] w + c[2] w^2 + ...
 static int64_t polynomial_q62(const int64_t* c, int num, int64_t w) {
@@ -177,10 +181,21 @@ real_t real_log1p(real_t a) {
 
 // 2^k e^r - 1 with |r| <= log(2) / 2.
 real_t real_expm1(real_t a) {
-    static const int64_t exp_r[] = {ONE_Q62,           ONE_Q62,           ONE_Q62 / 2,        ONE_Q62 / 6,
-                                    ONE_Q62 / 24,      ONE_Q62 / 120,     ONE_Q62 / 720,      ONE_Q62 / 5040,
-                                    ONE_Q62 / 40320,   ONE_Q62 / 362880,  ONE_Q62 / 3628800,  ONE_Q62 / 39916800,
-                                    ONE_Q62 / 479001600, ONE_Q62 / 6227020800, ONE_Q62 / 87178291200};
+    static const int64_t exp_r[] = {ONE_Q62,
+                                    ONE_Q62,
+                                    ONE_Q62 / 2,
+                                    ONE_Q62 / 6,
+                                    ONE_Q62 / 24,
+                                    ONE_Q62 / 120,
+                                    ONE_Q62 / 720,
+                                    ONE_Q62 / 5040,
+                                    ONE_Q62 / 40320,
+                                    ONE_Q62 / 362880,
+                                    ONE_Q62 / 3628800,
+                                    ONE_Q62 / 39916800,
+                                    ONE_Q62 / 479001600,
+                                    ONE_Q62 / 6227020800,
+                                    ONE_Q62 / 87178291200};
     if (a >= 19 * ONE_Q32) return overflow(false);
     if (a < -23 * ONE_Q32) return -ONE_Q32;
     const int64_t k = (a * INV_LN2_Q24 + ((int64_t)1 << 55)) >> 56;
@@ -242,7 +257,7 @@ real_t real_atan2(real_t y, real_t x) {
     if (d == 0) return 0;
     const int shift = __builtin_clzll(d);
     n = n << shift >> 2;
-    d = d << shift >> 2; // in [2^61, 2^62)
+    d = d << shift >> 2;                  // in [2^61, 2^62)
     int64_t part = (int64_t)n, angle = 0; // q61
     uint64_t whole = d;
     if (4 * n >= 3 * d) {

@@ -8,8 +8,8 @@
 // A price counts as holding the peak down to no less than 2 to minus half this power of what inertia allows.
 #define SLOWEST 6
 
-bool ssv_thrusts_scale(const ssv_thrusts_t* thrusts, real_t weight_time_per_s, real_t weight_impulse_per_Ns, real_t distance,
-                       ssv_units_t* units, ssv_thrusts_t* scaled) {
+bool ssv_thrusts_scale(const ssv_thrusts_t* thrusts, real_t weight_time_per_s, real_t weight_impulse_per_Ns,
+                       real_t distance, ssv_units_t* units, ssv_thrusts_t* scaled) {
     real_t total = REAL(0);
     for (int i = 0; i < N; i++) total += real_abs(thrusts->accel[i]);
     if (!(total > REAL(0))) return false;
@@ -73,11 +73,13 @@ real_t ssv_terminal_speed(const ssv_thrusts_t* thrusts, real_t most) {
     real_t top = most;
     for (int i = 0; i < N; i++) {
         const real_t b = real_abs(thrusts->linear[i]), size = real_abs(thrusts->quadratic[i]);
-        const real_t c = (thrusts->linear[i] < REAL(0)) != (thrusts->quadratic[i] < REAL(0)) && b > REAL(0) ? -size : size;
+        const real_t c =
+            (thrusts->linear[i] < REAL(0)) != (thrusts->quadratic[i] < REAL(0)) && b > REAL(0) ? -size : size;
         // Along b v + c v^2 the limit is first met at +force_max, or for c < 0 past the hump at -force_max.
         const real_t disc = real_sq(b) + real_mul(four_F, c), forwards = b + real_sqrt(real_max(REAL(0), disc));
         if (disc >= REAL(0)) {
-            if (real_mul(forwards, top) > real_mul(REAL(0.5), four_F)) top = real_div(real_mul(REAL(0.5), four_F), forwards);
+            if (real_mul(forwards, top) > real_mul(REAL(0.5), four_F))
+                top = real_div(real_mul(REAL(0.5), four_F), forwards);
         } else {
             const real_t past = b + real_sqrt(real_sq(b) - real_mul(four_F, c));
             if (real_mul(real_mul(REAL(2), size), top) > past) top = real_div(past, real_mul(REAL(2), size));

@@ -14,11 +14,11 @@
 
 static const real_t node[NUM_NODES] = {REAL(0.069431844202973712), REAL(0.33000947820757187), REAL(0.66999052179242813),
                                        REAL(0.93056815579702629)};
-static const real_t weight[NUM_NODES] = {REAL(0.17392742256872693), REAL(0.32607257743127307), REAL(0.32607257743127307),
-                                         REAL(0.17392742256872693)};
+static const real_t weight[NUM_NODES] = {REAL(0.17392742256872693), REAL(0.32607257743127307),
+                                         REAL(0.32607257743127307), REAL(0.17392742256872693)};
 
-// The straight line with the impulse and the first moment of a thrust, given where it is looked at, so that neither speed nor
-// distance is lost; turned where it would leave the thruster's limits.
+// The straight line with the impulse and the first moment of a thrust, given where it is looked at, so that neither
+// speed nor distance is lost; turned where it would leave the thruster's limits.
 static void fit(const real_t u[NUM_CHECKS], real_t limit, real_t* u_start, real_t* u_end) {
     // From the thrust at the start, so that one that stays the same is met to the last bit, however long it does.
     const real_t start = u[NUM_NODES];
@@ -37,9 +37,9 @@ static void fit(const real_t u[NUM_CHECKS], real_t limit, real_t* u_start, real_
 // Speed, thrusts and how they bend, along a piece.
 typedef struct {
     const ssv_piece_t* piece;
-    real_t thrust[N][3];         // as quadratics in v
+    real_t thrust[N][3]; // as quadratics in v
     real_t force_max_N;
-    int unit;                    // of time, for how they bend: 2^unit s, shorter where the piece is short
+    int unit; // of time, for how they bend: 2^unit s, shorter where the piece is short
 } track_t;
 
 static track_t track_of(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece) {
@@ -51,8 +51,8 @@ static track_t track_of(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece) 
 
 static bool is_constant(const real_t c[3]) { return c[1] == REAL(0) && c[2] == REAL(0); }
 
-// The longest stretch, up to h, whose lines err no more than allowed if all of it bent as the thrusts do at time t: the error of
-// a line is a twelfth of the second derivative times the square of the length.
+// The longest stretch, up to h, whose lines err no more than allowed if all of it bent as the thrusts do at time t: the
+// error of a line is a twelfth of the second derivative times the square of the length.
 static real_t stretch_at(const track_t* track, real_t t, real_t h, real_t drift_max_s2) {
     const real_t* law = track->piece->law;
     const real_t v = ssv_piece_speed(track->piece, t);
@@ -96,7 +96,8 @@ static real_t fit_all(const track_t* track, real_t t, real_t h, ssv_segment_t* s
     for (int i = 0; i < N; i++) {
         const real_t* c = track->thrust[i];
         if (is_constant(c)) {
-            segment->u_start_N[i] = segment->u_end_N[i] = real_max(-track->force_max_N, real_min(track->force_max_N, c[0]));
+            segment->u_start_N[i] = segment->u_end_N[i] =
+                real_max(-track->force_max_N, real_min(track->force_max_N, c[0]));
             continue;
         }
         real_t u[NUM_CHECKS];
@@ -127,7 +128,7 @@ ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_
             if (fits) break;
             // The error of a line grows with the square of its length, the drift with the fourth power.
             const real_t shrink = real_sqrt(real_min(real_div(TOLERANCE, real_max(TOLERANCE, error)),
-                                                    real_sqrt(real_div(drift_max_s2, real_max(drift_max_s2, drift)))));
+                                                     real_sqrt(real_div(drift_max_s2, real_max(drift_max_s2, drift)))));
             h = real_mul(h, real_max(REAL(0.1), real_mul(REAL(0.95), shrink)));
         }
         if (!fits) return SSV_TOO_MANY_SEGMENTS;

@@ -5,12 +5,13 @@
 // Steps to and fro between how the vehicle travels and where.
 #define NUM_AIMS 2
 
-static const vec3_t x_axis = {REAL(1), REAL(0), REAL(0)}, y_axis = {REAL(0), REAL(1), REAL(0)}, z_axis = {REAL(0), REAL(0), REAL(1)};
+static const vec3_t x_axis = {REAL(1), REAL(0), REAL(0)}, y_axis = {REAL(0), REAL(1), REAL(0)},
+                    z_axis = {REAL(0), REAL(0), REAL(1)};
 
 static real_t square(vec3_t v) { return vec3_dot(v, v); }
 
-// The rotation about an axis by an angle whose cosine and sine are in this ratio: of the two forms of half the angle the one that
-// does not cancel.
+// The rotation about an axis by an angle whose cosine and sine are in this ratio: of the two forms of half the angle
+// the one that does not cancel.
 static quat_t roll_about(vec3_t axis, real_t cosine, real_t sine) {
     const real_t size = real_sqrt(real_sq(cosine) + real_sq(sine));
     const bool back = cosine < REAL(0);
@@ -21,7 +22,8 @@ static quat_t roll_about(vec3_t axis, real_t cosine, real_t sine) {
 quat_t ssv_attitude(vec3_t a_S, vec3_t b_S, vec3_t a_I, vec3_t b_I) {
     const quat_t q = quat_between(a_S, a_I);
     const vec3_t b = quat_apply(q, b_S);
-    const vec3_t from = vec3_sub(b, vec3_scale(vec3_dot(b, a_I), a_I)), to = vec3_sub(b_I, vec3_scale(vec3_dot(b_I, a_I), a_I));
+    const vec3_t from = vec3_sub(b, vec3_scale(vec3_dot(b, a_I), a_I)),
+                 to = vec3_sub(b_I, vec3_scale(vec3_dot(b_I, a_I), a_I));
     if (!(real_min(vec3_norm(from), vec3_norm(to)) > REAL(1e-6))) return q;
     const vec3_t u = vec3_unit(from), v = vec3_unit(to);
     return quat_mul(roll_about(a_I, vec3_dot(u, v), vec3_dot(a_I, vec3_cross(u, v))), q);
@@ -51,7 +53,9 @@ quat_t ssv_spin(vec3_t axis, int spin, real_t x) {
     return (quat_t){c, real_mul(s, axis.x), real_mul(s, axis.y), real_mul(s, axis.z)};
 }
 
-static vec3_t part(const ssv_trial_t* trial, int first) { return vec3(trial->x[first], trial->x[first + 1], trial->x[first + 2]); }
+static vec3_t part(const ssv_trial_t* trial, int first) {
+    return vec3(trial->x[first], trial->x[first + 1], trial->x[first + 2]);
+}
 
 ssv_task_t ssv_transfer_task(const ssv_problem_t* problem, int contact, real_t height_m) {
     const ssv_scenario_t* s = &problem->scenario;
@@ -88,9 +92,9 @@ ssv_task_t ssv_transit_task(const ssv_task_t* transfer, const pose_t* X_to) {
 // What of a trial's attitudes does not hang on the way.
 typedef struct {
     quat_t q_middle, twist;
-    vec3_t ahead_S;              // the chord of the flight's arc, in axes of the middle attitude
-    vec3_t axis_S;               // the beam's as it is held
-    quat_t spin[SSV_NUM_ENDS];   // of a transfer
+    vec3_t ahead_S;            // the chord of the flight's arc, in axes of the middle attitude
+    vec3_t axis_S;             // the beam's as it is held
+    quat_t spin[SSV_NUM_ENDS]; // of a transfer
 } carriage_t;
 
 static void carriage_of(const ssv_task_t* task, const ssv_trial_t* trial, carriage_t* c) {
@@ -104,7 +108,8 @@ static void carriage_of(const ssv_task_t* task, const ssv_trial_t* trial, carria
     // t / atan(t) / (1 + t^2), here within 1 % up to t = 1.
     if (twisted > REAL(1e-6)) {
         const real_t tt = real_mul(REAL(0.25), twisted);
-        const real_t shrink = real_div(REAL(15) + real_mul(REAL(9), tt), real_mul(REAL(1) + tt, REAL(15) + real_mul(REAL(4), tt)));
+        const real_t shrink =
+            real_div(REAL(15) + real_mul(REAL(9), tt), real_mul(REAL(1) + tt, REAL(15) + real_mul(REAL(4), tt)));
         const vec3_t along = vec3_scale(real_div(vec3_dot(twist, c->ahead_S), twisted), twist);
         c->ahead_S = vec3_unit(vec3_add(along, vec3_scale(shrink, vec3_sub(c->ahead_S, along))));
     }
@@ -117,7 +122,8 @@ static void carriage_of(const ssv_task_t* task, const ssv_trial_t* trial, carria
 
 static void aim(const ssv_task_t* task, const carriage_t* c, vec3_t way, ssv_attitudes_t* a) {
     const bool flies = square(way) > real_sq(SSV_NO_WAY_M);
-    const quat_t q = flies ? quat_mul(quat_between(quat_apply(c->q_middle, c->ahead_S), vec3_unit(way)), c->q_middle) : c->q_middle;
+    const quat_t q =
+        flies ? quat_mul(quat_between(quat_apply(c->q_middle, c->ahead_S), vec3_unit(way)), c->q_middle) : c->q_middle;
     a->q_IT[0] = quat_mul(q, quat_conj(c->twist));
     a->q_IT[1] = quat_mul(q, c->twist);
     for (int end = 0; end < SSV_NUM_ENDS; end++) {
@@ -157,8 +163,8 @@ void ssv_trial_lay(const ssv_task_t* task, const ssv_trial_t* trial, ssv_motion_
     carriage_t carriage;
     ssv_attitudes_t a;
     carriage_of(task, trial, &carriage);
-    // Where a transfer's flight starts and ends depends on how the vehicle travels, and that on the way from one to the other: a
-    // few steps to and fro.
+    // Where a transfer's flight starts and ends depends on how the vehicle travels, and that on the way from one to the
+    // other: a few steps to and fro.
     for (int n = 0; n < (alone ? 1 : NUM_AIMS); n++) {
         aim(task, &carriage, vec3_sub(p_T[1], p_T[0]), &a);
         for (int end = 0; !alone && end < SSV_NUM_ENDS; end++) {

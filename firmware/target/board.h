@@ -1,4 +1,5 @@
-/// What a bare-metal program needs of the board: where it starts, how many instructions it has run, how deep its stack went.
+/// What a bare-metal program needs of the board: where it starts, how many instructions it has run, how deep its stack
+/// went.
 ///
 /// The reset handler sets up memory and the floating-point unit where there is one, calls main, and ends the emulator
 /// through semihosting with main's result as the exit code. A fault ends it with 70.

@@ -23,11 +23,11 @@ typedef struct {
     int64_t request_id;
     lcm_ssv_plan_t* plan;
     lcm_ssv_quote_batch_t* quotes;
-    uint32_t num_quotes;          ///< as many as there must be
-    const char* scalar;           ///< the one that the planner must have; NULL = any
-    char scalar_heard[16];        ///< from its status; empty until then
+    uint32_t num_quotes;   ///< as many as there must be
+    const char* scalar;    ///< the one that the planner must have; NULL = any
+    char scalar_heard[16]; ///< from its status; empty until then
     bool answered;
-    int foreign;                  ///< messages on the channel that are no such answer of our version
+    int foreign; ///< messages on the channel that are no such answer of our version
 } wait_t;
 
 static double now_s(void) {
@@ -68,8 +68,8 @@ static bool skip_candidates(const uint8_t* data, size_t size, uint32_t count, si
     return true;
 }
 
-/// Steps over a quote_t. @return whether its counts are within their limits, and it within the datagram as far as its last
-/// string.
+/// Steps over a quote_t. @return whether its counts are within their limits, and it within the datagram as far as its
+/// last string.
 static bool skip_quote(const uint8_t* data, size_t size, size_t* at) {
     if (*at > size || size - *at < 2 * 4) {
         return false;
@@ -86,9 +86,9 @@ static bool skip_quote(const uint8_t* data, size_t size, size_t* at) {
     return skip_candidates(data, size, num_candidates, at) && skip_candidates(data, size, num_front, at);
 }
 
-// Whether a datagram is what its type hash says, through and through: the generated decoders allocate what the counts and
-// the string lengths say, do not look for the strings' terminators, and forget what they allocated when the datagram ends
-// early. Offsets follow the .lcm files; the type hash vouches for them.
+// Whether a datagram is what its type hash says, through and through: the generated decoders allocate what the counts
+// and the string lengths say, do not look for the strings' terminators, and forget what they allocated when the
+// datagram ends early. Offsets follow the .lcm files; the type hash vouches for them.
 
 static bool plan_is_decodable(const uint8_t* data, size_t size) {
     const size_t counts_end = 8 + 3 * 4;
@@ -141,8 +141,8 @@ static void quotes_received(const lcm_recv_buf_t* datagram, const char* channel,
     wait_t* wait = context;
     const uint8_t* data = datagram->data;
     const size_t request_id_at = 8 + 4;
-    const bool is_ours = datagram->data_size >= request_id_at + 8 &&
-                         (int64_t)read_u64(data + request_id_at) == wait->request_id;
+    const bool is_ours =
+        datagram->data_size >= request_id_at + 8 && (int64_t)read_u64(data + request_id_at) == wait->request_id;
     if (is_ours && !wait->answered && quotes_are_decodable(data, datagram->data_size, wait->num_quotes)) {
         wait->answered = lcm_ssv_quote_batch_t_decode(data, 0, (int)datagram->data_size, wait->quotes) >= 0;
     } else if (is_ours || datagram->data_size < 8 || read_u64(data) != (uint64_t)__lcm_ssv_quote_batch_t_get_hash()) {
@@ -193,7 +193,8 @@ static bool exchange(lcm_t* lcm, const uint8_t* message, unsigned size, double t
     return true;
 }
 
-/// Waits until the planner says which scalar it computes in. @return whether that is the one wanted, else with the error set.
+/// Waits until the planner says which scalar it computes in. @return whether that is the one wanted, else with the
+/// error set.
 static bool check_scalar(lcm_t* lcm, const char* url, double timeout_s, wait_t* wait, char* error, size_t error_size) {
     const double deadline_s = now_s() + timeout_s;
     if (lcm_subscribe(lcm, "SSV_PLANNER_STATUS", status_received, wait) == NULL) {
@@ -207,11 +208,15 @@ static bool check_scalar(lcm_t* lcm, const char* url, double timeout_s, wait_t* 
         }
     }
     if (wait->scalar_heard[0] == '\0') {
-        snprintf(error, error_size, "no planner on %s said within %g s what it computes in, which --scalar waits for; start "
-                 "ssv-plannerd there, or give it more time with --timeout", url_in_use(url), timeout_s);
+        snprintf(error, error_size,
+                 "no planner on %s said within %g s what it computes in, which --scalar waits for; start "
+                 "ssv-plannerd there, or give it more time with --timeout",
+                 url_in_use(url), timeout_s);
     } else if (strcmp(wait->scalar_heard, wait->scalar) != 0) {
-        snprintf(error, error_size, "the planner on %s computes in %s, not in %s; start one that does (ssv-plannerd --version "
-                 "says which), or ask without --scalar", url_in_use(url), wait->scalar_heard, wait->scalar);
+        snprintf(error, error_size,
+                 "the planner on %s computes in %s, not in %s; start one that does (ssv-plannerd --version "
+                 "says which), or ask without --scalar",
+                 url_in_use(url), wait->scalar_heard, wait->scalar);
     }
     return strcmp(wait->scalar_heard, wait->scalar) == 0;
 }
@@ -243,7 +248,8 @@ static bool ask(const char* url, double timeout_s, const uint8_t* message, unsig
                  " (%d messages on %s are of another type: is the planner of another version?)", wait->foreign,
                  wait->answer_channel);
     }
-    snprintf(error, error_size, "nobody answered on %s within %g s%s; start ssv-plannerd there, give it more time "
+    snprintf(error, error_size,
+             "nobody answered on %s within %g s%s; start ssv-plannerd there, give it more time "
              "with --timeout, or ask without --lcm",
              url_in_use(url), timeout_s, foreign);
     return false;

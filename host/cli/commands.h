@@ -5,12 +5,12 @@
 /// The program's exit codes; a shell script can tell them apart.
 enum {
     EXIT_OK = 0,
-    EXIT_FAILED = 1,              ///< anything not listed below, e.g. the output cannot be written
-    EXIT_INVALID = 2,             ///< the scenario is refused
-    EXIT_INFEASIBLE = 3,          ///< the scenario is sound, but there is no plan
-    EXIT_NO_ANSWER = 4,           ///< nobody answered over LCM
-    EXIT_OVERFLOW = 5,            ///< the scenario is sound, but a number does not fit the planner's scalar
-    EXIT_USAGE = 64               ///< wrong arguments (sysexits.h, argp)
+    EXIT_FAILED = 1,     ///< anything not listed below, e.g. the output cannot be written
+    EXIT_INVALID = 2,    ///< the scenario is refused
+    EXIT_INFEASIBLE = 3, ///< the scenario is sound, but there is no plan
+    EXIT_NO_ANSWER = 4,  ///< nobody answered over LCM
+    EXIT_OVERFLOW = 5,   ///< the scenario is sound, but a number does not fit the planner's scalar
+    EXIT_USAGE = 64      ///< wrong arguments (sysexits.h, argp)
 };
 
 /// `ssv plan`: reads a scenario file, has it planned in process or over LCM, and shows the plan.

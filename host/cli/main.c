@@ -16,7 +16,8 @@ static const struct {
 };
 
 static const char doc[] =
-    "Asks the onboard trajectory planner what it costs to fly to a beam and carry it to a hub port, and which thrusts do it."
+    "Asks the onboard trajectory planner what it costs to fly to a beam and carry it to a hub port, and which thrusts "
+    "do it."
     "\vCommands:\n"
     "  plan    plan one task, described by a scenario file\n"
     "  quote   what up to 16 tasks cost, side by side, without their plans\n"
@@ -24,22 +25,19 @@ static const char doc[] =
     "`ssv COMMAND --help` tells about a command.";
 
 typedef struct {
-    int command_at;               ///< index of the command's name in argv
+    int command_at; ///< index of the command's name in argv
 } arguments_t;
 
 static error_t parse_option(int key, char* argument, struct argp_state* state) {
     arguments_t* arguments = state->input;
     switch (key) {
-    case ARGP_KEY_ARG:
-        arguments->command_at = state->next - 1;
-        state->next = state->argc; // the rest is the command's
-        (void)argument;
-        return 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "which command? There are: plan, quote");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+        case ARGP_KEY_ARG:
+            arguments->command_at = state->next - 1;
+            state->next = state->argc; // the rest is the command's
+            (void)argument;
+            return 0;
+        case ARGP_KEY_NO_ARGS: argp_error(state, "which command? There are: plan, quote"); return 0;
+        default: return ARGP_ERR_UNKNOWN;
     }
 }
 

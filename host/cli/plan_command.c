@@ -8,7 +8,8 @@
 #include "task_options.h"
 
 static const char doc[] =
-    "Plans the task of a scenario file: how to fly to the beam, mate, carry it to the hub port and dock, at the least cost "
+    "Plans the task of a scenario file: how to fly to the beam, mate, carry it to the hub port and dock, at the least "
+    "cost "
     "J = W1 time + W2 impulse."
     "\vExamples:\n"
     "  ssv plan host/scenarios/paper_case.yaml\n"
@@ -23,7 +24,8 @@ static const char doc[] =
     "  ssv plan task.yaml --lcm             asks a running ssv-plannerd\n"
     "  ssv plan task.yaml --lcm udpm://239.255.76.67:7667?ttl=1 --timeout 10\n"
     "\n"
-    "The method decides what the scenario leaves free: optimal leaves all of it to J, paper goes by the rules of the paper. "
+    "The method decides what the scenario leaves free: optimal leaves all of it to J, paper goes by the rules of the "
+    "paper. "
     "The table says how far above the best possible the plan can be at most. A scenario may name its method and effort "
     "itself.\n"
     "\n"
@@ -49,14 +51,10 @@ static int show(const task_options_t* options, const lcm_ssv_scenario_t* questio
         return EXIT_FAILED;
     }
     switch (answer->quote.status) {
-    case LCM_SSV_QUOTE_T_STATUS_OK:
-        return EXIT_OK;
-    case LCM_SSV_QUOTE_T_STATUS_INFEASIBLE:
-        return EXIT_INFEASIBLE;
-    case LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW:
-        return EXIT_OVERFLOW;
-    default:
-        return EXIT_INVALID;
+        case LCM_SSV_QUOTE_T_STATUS_OK: return EXIT_OK;
+        case LCM_SSV_QUOTE_T_STATUS_INFEASIBLE: return EXIT_INFEASIBLE;
+        case LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW: return EXIT_OVERFLOW;
+        default: return EXIT_INVALID;
     }
 }
 

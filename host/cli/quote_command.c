@@ -8,7 +8,8 @@
 #include "task_options.h"
 
 static const char doc[] =
-    "Prices up to 16 tasks, each described by a scenario file, side by side: J = W1 time + W2 impulse, its parts, a price "
+    "Prices up to 16 tasks, each described by a scenario file, side by side: J = W1 time + W2 impulse, its parts, a "
+    "price "
     "that no plan can undercut, and where the vehicle mates. A quote is what `ssv plan` would cost, without the plan."
     "\vExamples:\n"
     "  ssv quote host/scenarios/*.yaml\n"
@@ -20,7 +21,8 @@ static const char doc[] =
     "                                       traded for: change weights afterwards\n"
     "                                       without asking again\n"
     "\n"
-    "The column \"gap %\" says how far above the best possible the price can be at most. A task that is refused or has no "
+    "The column \"gap %\" says how far above the best possible the price can be at most. A task that is refused or has "
+    "no "
     "plan leaves the others alone. Scenario files and FILE are as for `ssv plan`.\n"
     "\n"
     "Exit codes, of the worst task:\n"
@@ -39,9 +41,9 @@ static const char doc[] =
 /// One scenario file and what comes of it.
 typedef struct {
     lcm_ssv_scenario_t question;
-    lcm_ssv_quote_t refused;      ///< of a file that is no scenario
-    char error[1024];             ///< likewise: why
-    int number;                   ///< in the batch; -1 for a file that is no scenario
+    lcm_ssv_quote_t refused; ///< of a file that is no scenario
+    char error[1024];        ///< likewise: why
+    int number;              ///< in the batch; -1 for a file that is no scenario
 } task_t;
 
 /// Shows the prices as asked for, and on standard error why one is missing. @return the exit code.
@@ -69,7 +71,8 @@ static int conclude(const task_options_t* options, const task_t* tasks, const lc
         if (tasks[i].number < 0) {
             fprintf(stderr, "ssv: %s\n", tasks[i].error);
         } else if (quote->status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE) {
-            fprintf(stderr, "ssv: %s: no feasible candidate\n", options->paths[i]); // the answer itself says why of each
+            fprintf(stderr, "ssv: %s: no feasible candidate\n",
+                    options->paths[i]); // the answer itself says why of each
         } else if (quote->status != LCM_SSV_QUOTE_T_STATUS_OK) {
             fprintf(stderr, "ssv: %s: %s\n", options->paths[i], quote->reason);
         }

@@ -70,14 +70,10 @@ static json_t* pose_json(const char* p_key, const char* q_key, const lcm_ssv_pos
 }
 
 static json_t* body_json(const lcm_ssv_body_t* body) {
-    return json_pack("{s:f, s:o, s:o, s:f, s:f, s:f, s:f}",
-                     "mass_kg", body->mass_kg,
-                     "inertia_kg_m2", vector_json(body->inertia_kg_m2, 3),
-                     "added_mass_kg", vector_json(body->added_mass_kg, 3),
-                     "drag_lin_kg_s", body->drag_lin_kg_s,
-                     "drag_quad_kg_m", body->drag_quad_kg_m,
-                     "drag_lin_ang_Nm_s", body->drag_lin_ang_Nm_s,
-                     "drag_quad_ang_Nm_s2", body->drag_quad_ang_Nm_s2);
+    return json_pack("{s:f, s:o, s:o, s:f, s:f, s:f, s:f}", "mass_kg", body->mass_kg, "inertia_kg_m2",
+                     vector_json(body->inertia_kg_m2, 3), "added_mass_kg", vector_json(body->added_mass_kg, 3),
+                     "drag_lin_kg_s", body->drag_lin_kg_s, "drag_quad_kg_m", body->drag_quad_kg_m, "drag_lin_ang_Nm_s",
+                     body->drag_lin_ang_Nm_s, "drag_quad_ang_Nm_s2", body->drag_quad_ang_Nm_s2);
 }
 
 static json_t* vehicle_json(const lcm_ssv_vehicle_t* vehicle) {
@@ -97,8 +93,8 @@ static json_t* vehicle_json(const lcm_ssv_vehicle_t* vehicle) {
 
 static json_t* beam_json(const lcm_ssv_beam_t* beam) {
     json_t* json = body_json(&beam->body);
-    json_t* rest = json_pack("{s:f, s:f, s:f}", "radius_m", beam->radius_m, "length_m", beam->length_m, "drag_strip_kg_m2",
-                             beam->drag_strip_kg_m2);
+    json_t* rest = json_pack("{s:f, s:f, s:f}", "radius_m", beam->radius_m, "length_m", beam->length_m,
+                             "drag_strip_kg_m2", beam->drag_strip_kg_m2);
     json_object_update(json, rest);
     json_decref(rest);
     return json;
@@ -108,31 +104,27 @@ static json_t* question_json(const lcm_ssv_scenario_t* question) {
     const lcm_ssv_options_t* options = &question->options;
     return json_pack(
         "{s:I, s:I, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:i, s:f, s:{s:f, s:f}, s:o, s:b, s:o, s:s, s:s, s:b, s:b}",
-        "request_id", (json_int_t)question->request_id, "epoch_us", (json_int_t)question->epoch_us,
-        "vehicle", vehicle_json(&question->vehicle), "beam", beam_json(&question->beam),
-        "X_IS", pose_json("p_IS_m", "q_IS", &question->X_IS), "X_IB", pose_json("p_IB_m", "q_IB", &question->X_IB),
-        "port", "p_IP_m", vector_json(question->port.p_IP_m, 3), "axis_I", vector_json(question->port.axis_I, 3),
-        "contact", question->contact, "standoff_m", question->standoff_m,
-        "weights", "time", question->weight_time_per_s, "impulse", question->weight_impulse_per_Ns,
-        "attach_heights_m", vector_json(options->attach_heights_m, options->num_attach_heights),
-        "attach_anywhere", options->attach_anywhere != 0,
-        "ring_angle_rad", options->ring_angle_given ? json_real(options->ring_angle_rad) : json_null(),
-        "method", NAME(scenario_methods, options->method), "effort", NAME(scenario_efforts, options->effort),
-        "want_candidates", options->want_candidates != 0, "want_front", options->want_front != 0);
+        "request_id", (json_int_t)question->request_id, "epoch_us", (json_int_t)question->epoch_us, "vehicle",
+        vehicle_json(&question->vehicle), "beam", beam_json(&question->beam), "X_IS",
+        pose_json("p_IS_m", "q_IS", &question->X_IS), "X_IB", pose_json("p_IB_m", "q_IB", &question->X_IB), "port",
+        "p_IP_m", vector_json(question->port.p_IP_m, 3), "axis_I", vector_json(question->port.axis_I, 3), "contact",
+        question->contact, "standoff_m", question->standoff_m, "weights", "time", question->weight_time_per_s,
+        "impulse", question->weight_impulse_per_Ns, "attach_heights_m",
+        vector_json(options->attach_heights_m, options->num_attach_heights), "attach_anywhere",
+        options->attach_anywhere != 0, "ring_angle_rad",
+        options->ring_angle_given ? json_real(options->ring_angle_rad) : json_null(), "method",
+        NAME(scenario_methods, options->method), "effort", NAME(scenario_efforts, options->effort), "want_candidates",
+        options->want_candidates != 0, "want_front", options->want_front != 0);
 }
 
 static json_t* candidates_json(const lcm_ssv_candidate_t* candidates, int count) {
     json_t* array = json_array();
     for (int i = 0; i < count; i++) {
         const lcm_ssv_candidate_t* candidate = &candidates[i];
-        json_t* json = json_pack("{s:i, s:f, s:f, s:o, s:f, s:f, s:f}",
-                                 "beam_contact", candidate->contact,
-                                 "attach_height_m", candidate->attach_height_m,
-                                 "ring_angle_rad", candidate->ring_angle_rad,
-                                 "reason", text_json(candidate->reason),
-                                 "time_s", candidate->time_s,
-                                 "impulse_Ns", candidate->impulse_Ns,
-                                 "J", candidate->cost);
+        json_t* json = json_pack("{s:i, s:f, s:f, s:o, s:f, s:f, s:f}", "beam_contact", candidate->contact,
+                                 "attach_height_m", candidate->attach_height_m, "ring_angle_rad",
+                                 candidate->ring_angle_rad, "reason", text_json(candidate->reason), "time_s",
+                                 candidate->time_s, "impulse_Ns", candidate->impulse_Ns, "J", candidate->cost);
         append(&array, json);
     }
     return array;
@@ -142,13 +134,9 @@ static json_t* front_json(const lcm_ssv_quote_t* quote) {
     json_t* array = json_array();
     for (int i = 0; i < quote->num_front; i++) {
         const lcm_ssv_candidate_t* point = &quote->front[i];
-        json_t* json = json_pack("{s:f, s:f, s:f, s:i, s:f, s:f}",
-                                 "time_s", point->time_s,
-                                 "impulse_Ns", point->impulse_Ns,
-                                 "J", point->cost,
-                                 "beam_contact", point->contact,
-                                 "attach_height_m", point->attach_height_m,
-                                 "ring_angle_rad", point->ring_angle_rad);
+        json_t* json = json_pack("{s:f, s:f, s:f, s:i, s:f, s:f}", "time_s", point->time_s, "impulse_Ns",
+                                 point->impulse_Ns, "J", point->cost, "beam_contact", point->contact, "attach_height_m",
+                                 point->attach_height_m, "ring_angle_rad", point->ring_angle_rad);
         append(&array, json);
     }
     return array;
@@ -175,16 +163,11 @@ static json_t* legs_json(const lcm_ssv_plan_t* plan) {
     json_t* array = json_array();
     for (int i = 0; i < plan->num_legs; i++) {
         const lcm_ssv_leg_t* leg = &plan->legs[i];
-        json_t* json = json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:o, s:o}",
-                                 "phase", NAME(phase_names, leg->phase),
-                                 "kind", NAME(kind_names, leg->kind),
-                                 "ramp", NAME(ramp_names, leg->ramp),
-                                 "t_start_s", leg->t_start_s,
-                                 "duration_s", leg->duration_s,
-                                 "impulse_Ns", leg->impulse_Ns,
-                                 "peak_speed", leg->peak_speed,
-                                 "pose_start", pose_json("p_IS_m", "q_IS", &leg->X_IS_start),
-                                 "pose_end", pose_json("p_IS_m", "q_IS", &leg->X_IS_end));
+        json_t* json = json_pack(
+            "{s:s, s:s, s:s, s:f, s:f, s:f, s:f, s:o, s:o}", "phase", NAME(phase_names, leg->phase), "kind",
+            NAME(kind_names, leg->kind), "ramp", NAME(ramp_names, leg->ramp), "t_start_s", leg->t_start_s, "duration_s",
+            leg->duration_s, "impulse_Ns", leg->impulse_Ns, "peak_speed", leg->peak_speed, "pose_start",
+            pose_json("p_IS_m", "q_IS", &leg->X_IS_start), "pose_end", pose_json("p_IS_m", "q_IS", &leg->X_IS_end));
         append(&array, json);
     }
     return array;
@@ -194,12 +177,9 @@ static json_t* segments_json(const lcm_ssv_plan_t* plan) {
     json_t* array = json_array();
     for (int i = 0; i < plan->num_segments; i++) {
         const lcm_ssv_segment_t* segment = &plan->segments[i];
-        json_t* json = json_pack("{s:f, s:f, s:o, s:o, s:i}",
-                                 "t_s", segment->t_s,
-                                 "duration_s", segment->duration_s,
-                                 "u_start_N", vector_json(segment->u_start_N, 6),
-                                 "u_end_N", vector_json(segment->u_end_N, 6),
-                                 "leg", segment->leg);
+        json_t* json = json_pack("{s:f, s:f, s:o, s:o, s:i}", "t_s", segment->t_s, "duration_s", segment->duration_s,
+                                 "u_start_N", vector_json(segment->u_start_N, 6), "u_end_N",
+                                 vector_json(segment->u_end_N, 6), "leg", segment->leg);
         append(&array, json);
     }
     return array;
@@ -233,13 +213,11 @@ static json_t* quote_json(const lcm_ssv_quote_t* quote) {
     }
     extend(&json, json_pack("{s:I}", "request_id", (json_int_t)quote->request_id));
     if (quote->status == LCM_SSV_QUOTE_T_STATUS_OK) {
-        extend(&json, json_pack("{s:{s:f, s:f, s:f, s:f}, s:{s:i, s:f, s:f, s:i}}",
-                                "cost", "J", quote->cost, "J_lower_bound", quote->cost_lower_bound, "time_s", quote->time_s,
-                                "impulse_Ns", quote->impulse_Ns,
-                                "choice", "beam_contact", quote->choice.contact,
-                                "attach_height_m", quote->choice.attach_height_m,
-                                "ring_angle_rad", quote->choice.ring_angle_rad,
-                                "candidates", (int)quote->choice.candidates));
+        extend(&json,
+               json_pack("{s:{s:f, s:f, s:f, s:f}, s:{s:i, s:f, s:f, s:i}}", "cost", "J", quote->cost, "J_lower_bound",
+                         quote->cost_lower_bound, "time_s", quote->time_s, "impulse_Ns", quote->impulse_Ns, "choice",
+                         "beam_contact", quote->choice.contact, "attach_height_m", quote->choice.attach_height_m,
+                         "ring_angle_rad", quote->choice.ring_angle_rad, "candidates", (int)quote->choice.candidates));
     }
     if (quote->num_candidates > 0) {
         extend(&json, json_pack("{s:o}", "candidates", candidates_json(quote->candidates, quote->num_candidates)));
@@ -251,11 +229,11 @@ static json_t* quote_json(const lcm_ssv_quote_t* quote) {
 }
 
 static json_t* motion_json(const lcm_ssv_plan_t* plan) {
-    return json_pack("{s:[o, o], s:o, s:{s:o}, s:o, s:{s:o, s:o}}",
-                     "phases", phase_json(plan, LCM_SSV_LEG_T_PHASE_TRANSIT), phase_json(plan, LCM_SSV_LEG_T_PHASE_TRANSFER),
+    return json_pack("{s:[o, o], s:o, s:{s:o}, s:o, s:{s:o, s:o}}", "phases",
+                     phase_json(plan, LCM_SSV_LEG_T_PHASE_TRANSIT), phase_json(plan, LCM_SSV_LEG_T_PHASE_TRANSFER),
                      "legs", legs_json(plan), "timeline", "segments", segments_json(plan), "events", events_json(plan),
-                     "final", "vehicle", pose_json("p_IS_m", "q_IS", &plan->X_IS_final),
-                     "beam", pose_json("p_IB_m", "q_IB", &plan->X_IB_final));
+                     "final", "vehicle", pose_json("p_IS_m", "q_IS", &plan->X_IS_final), "beam",
+                     pose_json("p_IB_m", "q_IB", &plan->X_IB_final));
 }
 
 /// Writes the object and frees it.
@@ -308,7 +286,8 @@ static void candidate_row(FILE* out, const lcm_ssv_candidate_t* candidate, bool 
 }
 
 static void candidates_table(FILE* out, const lcm_ssv_quote_t* quote) {
-    bool missing = quote->status == LCM_SSV_QUOTE_T_STATUS_OK; // the choice may stand between the heights that were given
+    bool missing =
+        quote->status == LCM_SSV_QUOTE_T_STATUS_OK; // the choice may stand between the heights that were given
     fprintf(out, "  %7s %9s %8s %11s %12s %12s\n", "contact", "height m", "ring deg", "time s", "impulse N s", "J");
     for (int i = 0; i < quote->num_candidates; i++) {
         const lcm_ssv_candidate_t* candidate = &quote->candidates[i];
@@ -355,22 +334,24 @@ static void detail_tables(FILE* out, const lcm_ssv_quote_t* quote) {
 }
 
 static void legs_table(FILE* out, const lcm_ssv_plan_t* plan) {
-    fprintf(out, "  %-10s %-10s %-13s %11s %11s %12s %13s\n", "phase", "leg", "ramp", "start s", "time s", "impulse N s",
-            "peak speed");
+    fprintf(out, "  %-10s %-10s %-13s %11s %11s %12s %13s\n", "phase", "leg", "ramp", "start s", "time s",
+            "impulse N s", "peak speed");
     for (int i = 0; i < plan->num_legs; i++) {
         const lcm_ssv_leg_t* leg = &plan->legs[i];
         fprintf(out, "  %-10s %-10s %-13s %11.3f %11.3f %12.3f %7.4f %s\n", NAME(phase_names, leg->phase),
-                NAME(kind_names, leg->kind), NAME(ramp_names, leg->ramp), leg->t_start_s, leg->duration_s, leg->impulse_Ns,
-                leg->peak_speed, leg->kind == LCM_SSV_LEG_T_KIND_TURN ? "rad/s" : "m/s");
+                NAME(kind_names, leg->kind), NAME(ramp_names, leg->ramp), leg->t_start_s, leg->duration_s,
+                leg->impulse_Ns, leg->peak_speed, leg->kind == LCM_SSV_LEG_T_KIND_TURN ? "rad/s" : "m/s");
     }
     for (int8_t phase = LCM_SSV_LEG_T_PHASE_TRANSIT; phase <= LCM_SSV_LEG_T_PHASE_TRANSFER; phase++) {
         double time_s = 0, impulse_Ns = 0;
         phase_sums(plan, phase, &time_s, &impulse_Ns);
-        fprintf(out, "  %-10s %-10s %-13s %11s %11.3f %12.3f\n", phase_names[phase], "in all", "", "", time_s, impulse_Ns);
+        fprintf(out, "  %-10s %-10s %-13s %11s %11.3f %12.3f\n", phase_names[phase], "in all", "", "", time_s,
+                impulse_Ns);
     }
 }
 
-/// The best possible plan costs no less than the bound, so the plan's distance from the bound is the most it can be off.
+/// The best possible plan costs no less than the bound, so the plan's distance from the bound is the most it can be
+/// off.
 static double gap_percent(const lcm_ssv_quote_t* quote) { return 100 * (quote->cost / quote->cost_lower_bound - 1); }
 
 static void bound_line(FILE* out, const lcm_ssv_quote_t* quote) {
@@ -417,8 +398,8 @@ bool report_plan_table(FILE* out, const void* report) {
     }
     fprintf(out, "  method %s%s%s\n", NAME(scenario_methods, question->options.method), is_optimal ? ", effort " : "",
             is_optimal ? NAME(scenario_efforts, question->options.effort) : "");
-    fprintf(out, "  %d combinations priced, %d timeline segments, %d bytes on the wire\n", (int)quote->choice.candidates,
-            plan->num_segments, lcm_ssv_plan_t_encoded_size(plan));
+    fprintf(out, "  %d combinations priced, %d timeline segments, %d bytes on the wire\n",
+            (int)quote->choice.candidates, plan->num_segments, lcm_ssv_plan_t_encoded_size(plan));
     fprintf(out, "  scenario %016" PRIx64 ", plan %016" PRIx64 "\n", (uint64_t)quote->scenario_hash,
             (uint64_t)plan->plan_hash);
     return true;
@@ -427,12 +408,14 @@ bool report_plan_table(FILE* out, const void* report) {
 static void quote_row(FILE* out, int path_width, const char* path, const lcm_ssv_quote_t* quote) {
     fprintf(out, "%-*s", path_width, path);
     if (quote->status != LCM_SSV_QUOTE_T_STATUS_OK) {
-        fprintf(out, "  %s\n", quote->status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE         ? "no feasible candidate"
-                             : quote->status == LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW ? "numeric overflow"
-                                                                                        : "refused");
+        fprintf(out, "  %s\n",
+                quote->status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE         ? "no feasible candidate"
+                : quote->status == LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW ? "numeric overflow"
+                                                                           : "refused");
         return;
     }
-    fprintf(out, "  %11.3f  %9.3f  %11.3f  %11.3f", quote->cost, quote->time_s, quote->impulse_Ns, quote->cost_lower_bound);
+    fprintf(out, "  %11.3f  %9.3f  %11.3f  %11.3f", quote->cost, quote->time_s, quote->impulse_Ns,
+            quote->cost_lower_bound);
     if (quote->cost_lower_bound > 0) {
         fprintf(out, "  %6.1f", gap_percent(quote));
     } else {

@@ -1,5 +1,5 @@
-/// Shows answers of the planner: JSON for programs, tables for people. Both are the same for an answer computed in process
-/// and one that came over LCM.
+/// Shows answers of the planner: JSON for programs, tables for people. Both are the same for an answer computed in
+/// process and one that came over LCM.
 #ifndef SSV_REPORT_H
 #define SSV_REPORT_H
 
@@ -31,8 +31,8 @@ typedef struct {
 
 // Each takes a report_plan_t or a report_quotes_t.
 
-/// Writes one JSON object; numbers have 17 digits, so reading them gives the same doubles. An answer with STATUS_INVALID is
-/// shown by its status and reason alone, with the question otherwise.
+/// Writes one JSON object; numbers have 17 digits, so reading them gives the same doubles. An answer with
+/// STATUS_INVALID is shown by its status and reason alone, with the question otherwise.
 /// @return false if the answer holds a number that is not finite, which JSON has no word for, or out of memory.
 bool report_plan_json(FILE* out, const void* plan);
 bool report_quotes_json(FILE* out, const void* quotes);

@@ -19,8 +19,8 @@
 const char* const scenario_methods[2] = {"optimal", "paper"};
 const char* const scenario_efforts[2] = {"quick", "best"};
 
-// What the files hold. Every scalar is kept as text: libcyaml reads "1,5" as 1 and does not know ".nan", and the planner
-// must see exactly what was written. NULL stands for an optional value that is absent.
+// What the files hold. Every scalar is kept as text: libcyaml reads "1,5" as 1 and does not know ".nan", and the
+// planner must see exactly what was written. NULL stands for an optional value that is absent.
 typedef struct {
     char* mass_kg;
     char* inertia_kg_m2[3];
@@ -121,10 +121,10 @@ static const cyaml_schema_value_t scalar = {CYAML_VALUE_STRING(CYAML_FLAG_POINTE
 // A body's keys stand beside those of the thing it is the body of.
 #define BODY_SCALAR(flag, type, key) CYAML_FIELD_STRING_PTR(#key, flag, type, body.key, 0, CYAML_UNLIMITED)
 #define BODY_VECTOR(flag, type, key) CYAML_FIELD_SEQUENCE_FIXED(#key, flag, type, body.key, &scalar, 3)
-#define BODY(type)                                                                                                        \
-    BODY_SCALAR(REQUIRED, type, mass_kg), BODY_VECTOR(REQUIRED, type, inertia_kg_m2),                                     \
-        BODY_VECTOR(OPTIONAL, type, added_mass_kg), BODY_SCALAR(OPTIONAL, type, drag_lin_kg_s),                           \
-        BODY_SCALAR(OPTIONAL, type, drag_quad_kg_m), BODY_SCALAR(OPTIONAL, type, drag_lin_ang_Nm_s),                      \
+#define BODY(type)                                                                                                     \
+    BODY_SCALAR(REQUIRED, type, mass_kg), BODY_VECTOR(REQUIRED, type, inertia_kg_m2),                                  \
+        BODY_VECTOR(OPTIONAL, type, added_mass_kg), BODY_SCALAR(OPTIONAL, type, drag_lin_kg_s),                        \
+        BODY_SCALAR(OPTIONAL, type, drag_quad_kg_m), BODY_SCALAR(OPTIONAL, type, drag_lin_ang_Nm_s),                   \
         BODY_SCALAR(OPTIONAL, type, drag_quad_ang_Nm_s2)
 
 static const cyaml_schema_field_t thruster_fields[] = {
@@ -139,7 +139,8 @@ static const cyaml_schema_field_t vehicle_model_fields[] = {
     BODY(vehicle_model_text_t),
     SCALAR(REQUIRED, vehicle_model_text_t, radius_m),
     SCALAR(REQUIRED, vehicle_model_text_t, force_max_N),
-    CYAML_FIELD_SEQUENCE_FIXED("thrusters", REQUIRED, vehicle_model_text_t, thrusters, &thruster_value, SSV_NUM_THRUSTERS),
+    CYAML_FIELD_SEQUENCE_FIXED("thrusters", REQUIRED, vehicle_model_text_t, thrusters, &thruster_value,
+                               SSV_NUM_THRUSTERS),
     CYAML_FIELD_END,
 };
 
@@ -212,8 +213,8 @@ static const cyaml_schema_field_t scenario_fields[] = {
     CYAML_FIELD_MAPPING_PTR("hub", OPTIONAL, scenario_text_t, hub, hub_fields),
     SCALAR(OPTIONAL, scenario_text_t, standoff_m),
     MAPPING(scenario_text_t, weights, weights_fields),
-    CYAML_FIELD_SEQUENCE("attach_heights_m", CYAML_FLAG_POINTER | OPTIONAL, scenario_text_t, attach_heights_m, &scalar, 1,
-                         SSV_MAX_ATTACH_HEIGHTS),
+    CYAML_FIELD_SEQUENCE("attach_heights_m", CYAML_FLAG_POINTER | OPTIONAL, scenario_text_t, attach_heights_m, &scalar,
+                         1, SSV_MAX_ATTACH_HEIGHTS),
     SCALAR(OPTIONAL, scenario_text_t, attach_anywhere),
     SCALAR(OPTIONAL, scenario_text_t, ring_angle_rad),
     SCALAR(OPTIONAL, scenario_text_t, method),
@@ -228,7 +229,7 @@ static const cyaml_schema_value_t scenario_schema = {
 /// Where the first thing that is wrong is told.
 typedef struct {
     const char* file;
-    char* text;                   ///< empty as long as nothing is wrong
+    char* text; ///< empty as long as nothing is wrong
     size_t size;
 } error_t;
 
@@ -291,8 +292,8 @@ bool number_parse(const char* text, double* value) {
 /// What libcyaml logs on its way out of a file that it refuses: a message, then the places around it, innermost first.
 typedef struct {
     char message[256];
-    char path[256];               ///< of the keys, "vehicle.thrusters[2].n_T_S"
-    int line;                     ///< of the innermost place, 0 = unknown
+    char path[256]; ///< of the keys, "vehicle.thrusters[2].n_T_S"
+    int line;       ///< of the innermost place, 0 = unknown
 } refusal_t;
 
 /// A path too long to hold keeps its inner end.
@@ -344,7 +345,8 @@ static void refusal_note(cyaml_log_t level, void* context, const char* format, v
         }
         return;
     }
-    // A key is found missing when its mapping ends; the innermost place is then the key that came last, which is no fault.
+    // A key is found missing when its mapping ends; the innermost place is then the key that came last, which is no
+    // fault.
     const char* const missing = "Missing required mapping field: ";
     if (refusal->path[0] == '\0' && strncmp(refusal->message, missing, strlen(missing)) == 0) {
         snprintf(refusal->path, sizeof refusal->path, "%s", refusal->message + strlen(missing));
@@ -393,7 +395,8 @@ static void error_set_refusal(error_t* error, const refusal_t* refusal, const ch
         return;
     }
     if (sscanf(message, "Insufficient entries (%d of %d min)", &entries, &entries_limit) == 2) {
-        error_set(error, refusal->line, "%s: %d entries, there must be %d or more", refusal->path, entries, entries_limit);
+        error_set(error, refusal->line, "%s: %d entries, there must be %d or more", refusal->path, entries,
+                  entries_limit);
         return;
     }
     if (sscanf(message, "Excessive entries (%d max)", &entries_limit) == 1) {
@@ -529,7 +532,9 @@ static void check_finite(error_t* error, const char* key, const double* values, 
     for (int i = 0; i < count; i++) {
         if (!isfinite(values[i])) {
             error_set(error, 0, "%s: %s is not a finite number", key,
-                      isnan(values[i]) ? "nan" : values[i] < 0 ? "-inf" : "inf");
+                      isnan(values[i]) ? "nan"
+                      : values[i] < 0  ? "-inf"
+                                       : "inf");
         }
     }
 }
@@ -560,8 +565,8 @@ static void turn(const double q[4], const double v[3], double turned[3]) {
 }
 
 /// The port in I from the hub's pose (scenario file) and the port in H (model file).
-static void hub_convert(error_t* scenario_error, error_t* model_error, const hub_text_t* hub, const hub_model_text_t* model,
-                        lcm_ssv_port_t* port) {
+static void hub_convert(error_t* scenario_error, error_t* model_error, const hub_text_t* hub,
+                        const hub_model_text_t* model, lcm_ssv_port_t* port) {
     static const char* const names[NUM_PORTS] = {"1", "2", "3"};
     double p_IH_m[3], q_IH[4], p_HP_m[NUM_PORTS][3], axis_H[NUM_PORTS][3];
     numbers(scenario_error, "hub.", "p_IH_m", hub->p_IH_m, 3, p_IH_m);
@@ -638,11 +643,12 @@ static void error_set_unknown_model(error_t* error, const char* model, const cha
         free(entries[i]);
     }
     free(entries);
-    error_set(error, 0, "model: '%s' is none of the models (%s) in %s; give one of your own by its path, %s.yaml", model,
-              names, models_dir, model);
+    error_set(error, 0, "model: '%s' is none of the models (%s) in %s; give one of your own by its path, %s.yaml",
+              model, names, models_dir, model);
 }
 
-/// The model's file: a name stands for one in models_dir, anything with a slash or .yaml is a path from the scenario file.
+/// The model's file: a name stands for one in models_dir, anything with a slash or .yaml is a path from the scenario
+/// file.
 static bool model_path(error_t* error, const char* model, const char* models_dir, char* path, size_t size) {
     const size_t length = strlen(model);
     const bool has_suffix = length > 5 && strcmp(model + length - 5, ".yaml") == 0;
@@ -669,7 +675,8 @@ static bool model_path(error_t* error, const char* model, const char* models_dir
     return true;
 }
 
-static bool model_read(error_t* error, const scenario_text_t* text, const char* models_dir, lcm_ssv_scenario_t* scenario) {
+static bool model_read(error_t* error, const scenario_text_t* text, const char* models_dir,
+                       lcm_ssv_scenario_t* scenario) {
     char path[PATH_MAX];
     if (!model_path(error, text->model, models_dir, path, sizeof path)) {
         return false;

@@ -14,18 +14,30 @@
 #include "scenario_file.h"
 
 enum {
-    KEY_LCM = 256, KEY_WEIGHTS, KEY_METHOD, KEY_EFFORT, KEY_SCALAR, KEY_FORMAT, KEY_OUTPUT, KEY_TIMEOUT, KEY_CANDIDATES, KEY_FRONT
+    KEY_LCM = 256,
+    KEY_WEIGHTS,
+    KEY_METHOD,
+    KEY_EFFORT,
+    KEY_SCALAR,
+    KEY_FORMAT,
+    KEY_OUTPUT,
+    KEY_TIMEOUT,
+    KEY_CANDIDATES,
+    KEY_FRONT
 };
 
 static const struct argp_option option_table[] = {
-    {"lcm", KEY_LCM, "URL", OPTION_ARG_OPTIONAL, "Ask a running ssv-plannerd over LCM, instead of computing in process", 0},
+    {"lcm", KEY_LCM, "URL", OPTION_ARG_OPTIONAL, "Ask a running ssv-plannerd over LCM, instead of computing in process",
+     0},
     {"weights", KEY_WEIGHTS, "W1,W2", 0, "Weights of time [1/s] and impulse [1/(N s)] instead of the file's", 0},
-    {"method", KEY_METHOD, "optimal|paper", 0, "What decides the free choices, instead of the file's (default "
-     SCENARIO_METHOD_DEFAULT ")", 0},
-    {"effort", KEY_EFFORT, "quick|best", 0, "How much method optimal tries, instead of the file's (default "
-     SCENARIO_EFFORT_DEFAULT ")", 0},
-    {"scalar", KEY_SCALAR, "double|float|fixed", 0, "The arithmetic that the planner computes in (default " SSV_DEFAULT_SCALAR
-     "); with --lcm the running planner must be of that one", 0},
+    {"method", KEY_METHOD, "optimal|paper", 0,
+     "What decides the free choices, instead of the file's (default " SCENARIO_METHOD_DEFAULT ")", 0},
+    {"effort", KEY_EFFORT, "quick|best", 0,
+     "How much method optimal tries, instead of the file's (default " SCENARIO_EFFORT_DEFAULT ")", 0},
+    {"scalar", KEY_SCALAR, "double|float|fixed", 0,
+     "The arithmetic that the planner computes in (default " SSV_DEFAULT_SCALAR
+     "); with --lcm the running planner must be of that one",
+     0},
     {"candidates", KEY_CANDIDATES, NULL, 0, "Also show every (contact, height) and what it costs", 0},
     {"front", KEY_FRONT, NULL, 0, "Also show what time and impulse can be traded for; takes some ten times as long", 0},
     {"format", KEY_FORMAT, "table|json", 0, "For people (default) or for programs", 0},
@@ -54,69 +66,61 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
     input_t* input = state->input;
     task_options_t* options = input->options;
     switch (key) {
-    case KEY_LCM:
-        options->over_lcm = true;
-        options->lcm_url = argument;
-        if (argument == NULL && state->next < state->argc && strstr(state->argv[state->next], "://") != NULL) {
-            options->lcm_url = state->argv[state->next++];  // argp leaves "--lcm URL" without a "=" to us
-        }
-        return 0;
-    case KEY_WEIGHTS:
-        if (!parse_weights(argument, options->weights)) {
-            argp_error(state, "--weights %s: not two numbers with a comma between, e.g. 1,0.5", argument);
-        }
-        options->weights_given = true;
-        return 0;
-    case KEY_METHOD:
-        options->method = word_find(argument, scenario_methods, 2);
-        if (options->method < 0) {
-            argp_error(state, "--method %s: there are optimal and paper", argument);
-        }
-        return 0;
-    case KEY_EFFORT:
-        options->effort = word_find(argument, scenario_efforts, 2);
-        if (options->effort < 0) {
-            argp_error(state, "--effort %s: there are quick and best", argument);
-        }
-        return 0;
-    case KEY_SCALAR:
-        if (strcmp(argument, "double") != 0 && strcmp(argument, "float") != 0 && strcmp(argument, "fixed") != 0) {
-            argp_error(state, "--scalar %s: there are double, float and fixed", argument);
-        }
-        options->scalar = argument;
-        return 0;
-    case KEY_CANDIDATES:
-        options->want_candidates = true;
-        return 0;
-    case KEY_FRONT:
-        options->want_front = true;
-        return 0;
-    case KEY_FORMAT:
-        options->as_json = strcmp(argument, "json") == 0;
-        if (!options->as_json && strcmp(argument, "table") != 0) {
-            argp_error(state, "--format %s: there are table and json", argument);
-        }
-        return 0;
-    case KEY_OUTPUT:
-        options->output_path = argument;
-        return 0;
-    case KEY_TIMEOUT:
-        if (!number_parse(argument, &options->timeout_s) || !(options->timeout_s > 0 && options->timeout_s <= 3600)) {
-            argp_error(state, "--timeout %s: not a number of seconds in (0, 3600]", argument);
-        }
-        return 0;
-    case ARGP_KEY_ARG:
-        if (options->num_paths == input->max_paths) {
-            argp_error(state, "no more than %d scenario%s at a time, but there is also '%s'", input->max_paths,
-                       input->max_paths == 1 ? "" : "s", argument);
-        }
-        options->paths[options->num_paths++] = argument;
-        return 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "which scenario file?");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+        case KEY_LCM:
+            options->over_lcm = true;
+            options->lcm_url = argument;
+            if (argument == NULL && state->next < state->argc && strstr(state->argv[state->next], "://") != NULL) {
+                options->lcm_url = state->argv[state->next++]; // argp leaves "--lcm URL" without a "=" to us
+            }
+            return 0;
+        case KEY_WEIGHTS:
+            if (!parse_weights(argument, options->weights)) {
+                argp_error(state, "--weights %s: not two numbers with a comma between, e.g. 1,0.5", argument);
+            }
+            options->weights_given = true;
+            return 0;
+        case KEY_METHOD:
+            options->method = word_find(argument, scenario_methods, 2);
+            if (options->method < 0) {
+                argp_error(state, "--method %s: there are optimal and paper", argument);
+            }
+            return 0;
+        case KEY_EFFORT:
+            options->effort = word_find(argument, scenario_efforts, 2);
+            if (options->effort < 0) {
+                argp_error(state, "--effort %s: there are quick and best", argument);
+            }
+            return 0;
+        case KEY_SCALAR:
+            if (strcmp(argument, "double") != 0 && strcmp(argument, "float") != 0 && strcmp(argument, "fixed") != 0) {
+                argp_error(state, "--scalar %s: there are double, float and fixed", argument);
+            }
+            options->scalar = argument;
+            return 0;
+        case KEY_CANDIDATES: options->want_candidates = true; return 0;
+        case KEY_FRONT: options->want_front = true; return 0;
+        case KEY_FORMAT:
+            options->as_json = strcmp(argument, "json") == 0;
+            if (!options->as_json && strcmp(argument, "table") != 0) {
+                argp_error(state, "--format %s: there are table and json", argument);
+            }
+            return 0;
+        case KEY_OUTPUT: options->output_path = argument; return 0;
+        case KEY_TIMEOUT:
+            if (!number_parse(argument, &options->timeout_s) ||
+                !(options->timeout_s > 0 && options->timeout_s <= 3600)) {
+                argp_error(state, "--timeout %s: not a number of seconds in (0, 3600]", argument);
+            }
+            return 0;
+        case ARGP_KEY_ARG:
+            if (options->num_paths == input->max_paths) {
+                argp_error(state, "no more than %d scenario%s at a time, but there is also '%s'", input->max_paths,
+                           input->max_paths == 1 ? "" : "s", argument);
+            }
+            options->paths[options->num_paths++] = argument;
+            return 0;
+        case ARGP_KEY_NO_ARGS: argp_error(state, "which scenario file?"); return 0;
+        default: return ARGP_ERR_UNKNOWN;
     }
 }
 
@@ -130,8 +134,8 @@ static void path_from_bin(const char* relative, char* path, size_t size) {
     snprintf(path, size, "%.*s%s", bin_length, program, relative);
 }
 
-/// The folder of the models, at the same place beside the program in the build tree and where it is installed; the caller
-/// frees it. NULL if out of memory.
+/// The folder of the models, at the same place beside the program in the build tree and where it is installed; the
+/// caller frees it. NULL if out of memory.
 static char* find_models(void) {
     char joined[PATH_MAX + sizeof SSV_MODELS_FROM_BIN];
     path_from_bin(SSV_MODELS_FROM_BIN, joined, sizeof joined);
@@ -206,7 +210,7 @@ void task_stamp(int64_t* request_id, int64_t* epoch_us) {
     struct timespec now;
     clock_gettime(CLOCK_REALTIME, &now);
     *epoch_us = (int64_t)now.tv_sec * 1000000 + now.tv_nsec / 1000;
-    // The process too, for two that start within the same microsecond. Below 2^53, so that JSON readers with nothing but
-    // doubles keep it whole.
+    // The process too, for two that start within the same microsecond. Below 2^53, so that JSON readers with nothing
+    // but doubles keep it whole.
     *request_id = *epoch_us * 4 + getpid() % 4;
 }

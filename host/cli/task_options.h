@@ -10,20 +10,20 @@
 #include "ssv/answer.h"
 
 typedef struct {
-    int num_paths;                ///< [1, the most that the command takes]
+    int num_paths;                    ///< [1, the most that the command takes]
     const char* paths[SSV_MAX_BATCH]; ///< of scenario files
-    const char* lcm_url;          ///< NULL = LCM's default
-    const char* scalar;           ///< "double", "float" or "fixed"; NULL = this program's, or any planner's over LCM
-    const char* output_path;      ///< NULL = standard output
+    const char* lcm_url;              ///< NULL = LCM's default
+    const char* scalar;      ///< "double", "float" or "fixed"; NULL = this program's, or any planner's over LCM
+    const char* output_path; ///< NULL = standard output
     double weights[2];
     double timeout_s;
-    int8_t method, effort;        ///< -1 = the file's
+    int8_t method, effort; ///< -1 = the file's
     bool over_lcm, weights_given, as_json, want_candidates, want_front;
 } task_options_t;
 
-/// Parses the command's arguments, argv[0] being its name; --help and wrong arguments end the program. `doc` is the command's part of the help, as of argp;
-/// max_paths is 1..SSV_MAX_BATCH. Where the options ask for the answer of another scalar in process, the program that has it
-/// goes on instead of this one.
+/// Parses the command's arguments, argv[0] being its name; --help and wrong arguments end the program. `doc` is the
+/// command's part of the help, as of argp; max_paths is 1..SSV_MAX_BATCH. Where the options ask for the answer of
+/// another scalar in process, the program that has it goes on instead of this one.
 void task_options_parse(task_options_t* options, const char* doc, int max_paths, int argc, char** argv);
 
 /// Reads a scenario file; what the options say counts over what it says. Writes everything but request_id and epoch_us.

@@ -1,6 +1,6 @@
 /// Plans COUNT scenarios drawn from SEED around the numbers of both models and prints a line for each: its number, the
-/// status and the hashes. Usage: plan_hashes SEED COUNT. Built with different compilers and options, the output must not differ;
-/// in fixed point not on other processors either.
+/// status and the hashes. Usage: plan_hashes SEED COUNT. Built with different compilers and options, the output must
+/// not differ; in fixed point not on other processors either.
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

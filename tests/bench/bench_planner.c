@@ -37,9 +37,9 @@ typedef struct {
     const char* name;
     ssv_method_t method;
     ssv_effort_t effort;
-    int repeats;      // fewer where planning is slow
+    int repeats; // fewer where planning is slow
     int timed_tasks;
-    int priced_tasks; // per model and weights
+    int priced_tasks;                   // per model and weights
     double plan_goal_ms, quote_goal_ms; // p99; 0: none
 } way_t;
 
@@ -51,8 +51,8 @@ static const way_t ways[NUM_WAYS] = {
     [BEST] = {"best", SSV_METHOD_OPTIMAL, SSV_EFFORT_BEST, 30, 30, 20, 20, 0},
 };
 
-// Of time and of impulse; the least price that coupled motion is known to reach on the case study of model paper, and how
-// far above it either effort may stay.
+// Of time and of impulse; the least price that coupled motion is known to reach on the case study of model paper, and
+// how far above it either effort may stay.
 static const struct {
     const char* name;
     double time, impulse, coupled_optimum, quick_goal, best_goal;
@@ -84,7 +84,8 @@ static void add_goal(const char* what, double figure, double goal, bool at_least
     report_text(&goals, "result", (at_least ? figure >= goal : figure <= goal) ? "met" : "missed");
 }
 
-// ---- Questions ----------------------------------------------------------------------------------------------------------
+// ---- Questions
+// ----------------------------------------------------------------------------------------------------------
 
 static void check(const ssv_scenario_t* scenario, ssv_problem_t* problem) {
     ssv_fault_t fault;
@@ -143,7 +144,8 @@ static double bound_ns(const ssv_problem_t* problem) {
     return (now_ms() - start) * 1e6 / BOUNDS_PER_SAMPLE;
 }
 
-// ---- Over LCM -----------------------------------------------------------------------------------------------------------
+// ---- Over LCM
+// -----------------------------------------------------------------------------------------------------------
 
 typedef struct {
     lcm_t* lcm;
@@ -203,7 +205,8 @@ static void link_close(link_t* link) {
     lcm_destroy(link->lcm);
 }
 
-// ---- The scenarios of host/scenarios ------------------------------------------------------------------------------------
+// ---- The scenarios of host/scenarios
+// ------------------------------------------------------------------------------------
 
 /// One scenario, planned in one way.
 typedef struct {
@@ -260,7 +263,7 @@ static void measure_scenarios(row_t* rows, int count) {
     link_open(&link);
     lcm_ssv_scenario_t first = rows[0].question;
     first.request_id = 0;
-    round_trip_ms(&link, &first); // until the daemon is up
+    round_trip_ms(&link, &first);     // until the daemon is up
     for (int i = 0; i < count; i++) { // a first, untimed look at each
         if (ssv_answer(&rows[i].question, &answer) != SSV_OK) give_up(answer.wire.quote.reason);
         rows[i].cost = answer.wire.quote.cost;
@@ -278,10 +281,11 @@ static void measure_scenarios(row_t* rows, int count) {
 
 static void report_scenarios(report_t* report, row_t* rows, int count) {
     double worst_plan_ms[NUM_WAYS] = {0}, worst_bound_ns = 0;
-    report_section(report, "scenarios",
-                   "Scenarios of host/scenarios: times of a plan and of its price in process, of the round trip over LCM, "
-                   "and of the lower bound.\nplan x loop: in units of the calibration loop of 100000 dependent roots and "
-                   "quotients, to compare machines, or versions on a machine whose speed varies");
+    report_section(
+        report, "scenarios",
+        "Scenarios of host/scenarios: times of a plan and of its price in process, of the round trip over LCM, "
+        "and of the lower bound.\nplan x loop: in units of the calibration loop of 100000 dependent roots and "
+        "quotients, to compare machines, or versions on a machine whose speed varies");
     for (int i = 0; i < count; i++) {
         row_t* row = &rows[i];
         report_row(report);
@@ -290,7 +294,8 @@ static void report_scenarios(report_t* report, row_t* rows, int count) {
         report_count(report, "repeats", row->plan_ms.count);
         report_samples(report, "plan", "ms", &row->plan_ms);
         report_samples(report, "price", "ms", &row->quote_ms);
-        report_figure(report, "price_worst_over_mean", samples_quantile(&row->quote_ms, 1) / samples_mean(&row->quote_ms));
+        report_figure(report, "price_worst_over_mean",
+                      samples_quantile(&row->quote_ms, 1) / samples_mean(&row->quote_ms));
         report_figure(report, "LCM_median_ms", samples_quantile(&row->over_lcm_ms, 0.5));
         report_figure(report, "LCM_p99_ms", samples_quantile(&row->over_lcm_ms, 0.99));
         report_figure(report, "bound_median_ns", samples_quantile(&row->bound_ns, 0.5));
@@ -302,8 +307,9 @@ static void report_scenarios(report_t* report, row_t* rows, int count) {
         worst_plan_ms[way] = fmax(worst_plan_ms[way], samples_quantile(&row->plan_ms, 0.99));
         worst_bound_ns = fmax(worst_bound_ns, samples_quantile(&row->bound_ns, 0.99));
     }
-    report_section(report, "answers",
-                   "The same per second, and the answers: J over that of method paper, lower bound over J, segments, bytes");
+    report_section(
+        report, "answers",
+        "The same per second, and the answers: J over that of method paper, lower bound over J, segments, bytes");
     for (int i = 0; i < count; i++) {
         row_t* row = &rows[i];
         report_row(report);
@@ -326,7 +332,8 @@ static void report_scenarios(report_t* report, row_t* rows, int count) {
     add_goal("lower bound: p99 [us]", worst_bound_ns / 1e3, 2, false);
 }
 
-// ---- Random tasks: times ------------------------------------------------------------------------------------------------
+// ---- Random tasks: times
+// ------------------------------------------------------------------------------------------------
 
 static double least_ms(double (*measured_ms)(ssv_problem_t*), ssv_problem_t* problem) {
     double least = INFINITY;
@@ -335,8 +342,9 @@ static double least_ms(double (*measured_ms)(ssv_problem_t*), ssv_problem_t* pro
 }
 
 static void report_random_times(report_t* report) {
-    report_section(report, "random_times",
-                   "Random tasks: times of a plan and of its price, each the least of three, so that they tell of the task");
+    report_section(
+        report, "random_times",
+        "Random tasks: times of a plan and of its price, each the least of three, so that they tell of the task");
     for (int w = 0; w < NUM_WAYS; w++) {
         samples_t plan_times = {0}, quote_times = {0};
         for (int k = 0; k < ways[w].timed_tasks; k++) {
@@ -364,7 +372,8 @@ static void report_random_times(report_t* report) {
     }
 }
 
-// ---- Profiles -----------------------------------------------------------------------------------------------------------
+// ---- Profiles
+// -----------------------------------------------------------------------------------------------------------
 
 #define MAX_LEGS (MAX_ROWS * SSV_MAX_LEGS)
 
@@ -376,8 +385,8 @@ typedef struct {
 
 static ssv_thrusts_t thrusts_of(const ssv_problem_t* problem, const ssv_leg_t* leg) {
     ssv_thrusts_t thrusts;
-    const ssv_assembly_t assembly = {&problem->scenario.vehicle, leg->phase == SSV_TRANSFER ? &problem->scenario.beam : NULL,
-                                     plan.X_SB};
+    const ssv_assembly_t assembly = {&problem->scenario.vehicle,
+                                     leg->phase == SSV_TRANSFER ? &problem->scenario.beam : NULL, plan.X_SB};
     ssv_move_thrusts(problem, &assembly, (ssv_twist_t){leg->v_S, leg->w_S}, &thrusts);
     return thrusts;
 }
@@ -393,7 +402,8 @@ static int collect_legs(row_t* rows, int count, int way, ssv_ramp_t ramp, leg_ca
         const ssv_scenario_t* s = &rows[i].problem.scenario;
         plan_ms(&rows[i].problem);
         for (int k = 0; k < plan.num_legs; k++) {
-            const ssv_rule_t rule = {ramp, cutoff_of(&plan.leg[k]), s->weight_time_per_s, s->weight_impulse_per_Ns, REAL(0)};
+            const ssv_rule_t rule = {ramp, cutoff_of(&plan.leg[k]), s->weight_time_per_s, s->weight_impulse_per_Ns,
+                                     REAL(0)};
             legs[num++] = (leg_case_t){thrusts_of(&rows[i].problem, &plan.leg[k]), rule, plan.leg[k].length};
         }
     }
@@ -406,16 +416,19 @@ static void report_profiles(report_t* report, row_t* rows, int count) {
         const char* name;
         int way;
         ssv_ramp_t ramp;
-    } kinds[] = {{"optimal", QUICK, SSV_OPTIMAL}, {"paper, full reverse", PAPER, SSV_FULL_REVERSE},
+    } kinds[] = {{"optimal", QUICK, SSV_OPTIMAL},
+                 {"paper, full reverse", PAPER, SSV_FULL_REVERSE},
                  {"paper, drag only", PAPER, SSV_DRAG_ONLY}};
-    report_section(report, "profiles", "Profiles over the legs of the scenarios' plans (optimal: those of effort quick)");
+    report_section(report, "profiles",
+                   "Profiles over the legs of the scenarios' plans (optimal: those of effort quick)");
     for (int n = 0; n < 3; n++) {
         const int num = collect_legs(rows, count, kinds[n].way, kinds[n].ramp, legs);
         samples_t ns = {0};
         for (int repeat = 0; repeat < MAX_REPEATS; repeat++) {
             ssv_profile_t profile;
             const double start = now_ms();
-            for (int k = 0; k < num; k++) (void)ssv_profile_solve(&legs[k].thrusts, &legs[k].rule, legs[k].length, &profile);
+            for (int k = 0; k < num; k++)
+                (void)ssv_profile_solve(&legs[k].thrusts, &legs[k].rule, legs[k].length, &profile);
             samples_add(&ns, (now_ms() - start) * 1e6 / num);
         }
         report_row(report);
@@ -426,7 +439,8 @@ static void report_profiles(report_t* report, row_t* rows, int count) {
     }
 }
 
-// ---- The paper's iteration ----------------------------------------------------------------------------------------------
+// ---- The paper's iteration
+// ----------------------------------------------------------------------------------------------
 
 /// The case study with the mating side that its tables took: three candidates, one chain each.
 static ssv_scenario_t case_study(bool ease) {
@@ -442,7 +456,8 @@ static void report_euler(report_t* report) {
     ssv_problem_t all, problem;
     int num = 0;
     check(&scenario, &all);
-    const double half_length = 0.5 * real_to_double(scenario.beam.length_m), heights[3] = {half_length, 0, -half_length};
+    const double half_length = 0.5 * real_to_double(scenario.beam.length_m),
+                 heights[3] = {half_length, 0, -half_length};
     double planner_cost = 0;
     for (int c = 0; c < 3; c++) {
         scenario.num_attach_heights = 1;
@@ -477,7 +492,8 @@ static void report_euler(report_t* report) {
             const double start = now_ms();
             for (int leg = 0; leg < num; leg++) {
                 ssv_profile_price_t full_reverse, drag_only;
-                ssv_profile_price_ramps(&legs[leg].thrusts, &legs[leg].rule, legs[leg].length, &full_reverse, &drag_only);
+                ssv_profile_price_ramps(&legs[leg].thrusts, &legs[leg].rule, legs[leg].length, &full_reverse,
+                                        &drag_only);
             }
             samples_add(&legs_ms, now_ms() - start);
             samples_add(&paper_ms, quote_ms(&all));
@@ -486,10 +502,11 @@ static void report_euler(report_t* report) {
     }
     static const char* const name[2] = {"ramps stepped, hold at once", "every second stepped"};
     const double paper = samples_quantile(&paper_ms, 0.5), alone = samples_quantile(&legs_ms, 0.5);
-    report_section(report, "euler",
-                   "The paper's Euler iteration with steps of 0.01 s over the legs of the case study's three candidates, "
-                   "against their price by ssv_quote,\nmethod paper (and quick, which prices many more motions), and against "
-                   "the planner's price of the same legs alone");
+    report_section(
+        report, "euler",
+        "The paper's Euler iteration with steps of 0.01 s over the legs of the case study's three candidates, "
+        "against their price by ssv_quote,\nmethod paper (and quick, which prices many more motions), and against "
+        "the planner's price of the same legs alone");
     for (int hold = EULER_HOLD_IN_ONE; hold <= EULER_HOLD_STEPPED; hold++) {
         const double euler = samples_quantile(&euler_ms[hold], 0.5);
         report_row(report);
@@ -508,12 +525,14 @@ static void report_euler(report_t* report) {
     }
 }
 
-// ---- Prices -------------------------------------------------------------------------------------------------------------
+// ---- Prices
+// -------------------------------------------------------------------------------------------------------------
 
 static void report_case_study(report_t* report) {
-    report_section(report, "case_study",
-                   "J on the case study, standoff 0.3025 m; what coupled motion is known to reach with model paper, and J "
-                   "over it");
+    report_section(
+        report, "case_study",
+        "J on the case study, standoff 0.3025 m; what coupled motion is known to reach with model paper, and J "
+        "over it");
     for (int ease = 0; ease < 2; ease++) {
         for (int w = 0; w < NUM_WEIGHTS; w++) {
             ssv_scenario_t scenario = task_case_study(ease == 1);
@@ -536,9 +555,11 @@ static void report_case_study(report_t* report) {
             report_figure(report, "quick_over_optimum", J[QUICK] / optimum);
             report_figure(report, "best_over_optimum", J[BEST] / optimum);
             char what[120];
-            snprintf(what, sizeof what, "case study, weights %s, quick: J above the coupled optimum [%%]", weights[w].name);
+            snprintf(what, sizeof what, "case study, weights %s, quick: J above the coupled optimum [%%]",
+                     weights[w].name);
             add_goal(what, 100 * (J[QUICK] / optimum - 1), 100 * weights[w].quick_goal, false);
-            snprintf(what, sizeof what, "case study, weights %s, best: J above the coupled optimum [%%]", weights[w].name);
+            snprintf(what, sizeof what, "case study, weights %s, best: J above the coupled optimum [%%]",
+                     weights[w].name);
             add_goal(what, 100 * (J[BEST] / optimum - 1), 100 * weights[w].best_goal, false);
         }
     }
@@ -584,7 +605,8 @@ static void report_ratios(report_t* report, const row_t* rows, int count) {
     }
 }
 
-// ---- Scalars ------------------------------------------------------------------------------------------------------------
+// ---- Scalars
+// ------------------------------------------------------------------------------------------------------------
 
 #define SCALAR_REPEATS 100
 
@@ -627,9 +649,10 @@ static void report_scalars(report_t* report) {
     static timed_t rows[NUM_SCALARS][MAX_ROWS];
     int count = 0;
     for (int s = 0; s < NUM_SCALARS; s++) count = read_times(scalars[s].program, rows[s]);
-    report_section(report, "scalars",
-                   "Scenarios of host/scenarios in each scalar: times of a plan and of its price; on this machine, which has "
-                   "floating point");
+    report_section(
+        report, "scalars",
+        "Scenarios of host/scenarios in each scalar: times of a plan and of its price; on this machine, which has "
+        "floating point");
     for (int k = 0; k < count; k++) {
         for (int s = 0; s < NUM_SCALARS; s++) {
             timed_t* row = &rows[s][k];
@@ -645,15 +668,17 @@ static void report_scalars(report_t* report) {
     }
 }
 
-// ---- Memory -------------------------------------------------------------------------------------------------------------
+// ---- Memory
+// -------------------------------------------------------------------------------------------------------------
 
 static void plan_once(void* problem) { plan_ms(problem); }
 static void quote_once(void* problem) { quote_ms(problem); }
 
 static void report_memory(report_t* report, row_t* rows, int count) {
-    report_section(report, "memory",
-                   "Bytes: the plan, the memory in a problem that the search works in, and how deep the calls go into the "
-                   "stack, at most\nover the scenarios");
+    report_section(
+        report, "memory",
+        "Bytes: the plan, the memory in a problem that the search works in, and how deep the calls go into the "
+        "stack, at most\nover the scenarios");
     const double kept_KiB = (double)(sizeof(ssv_plan_t) + sizeof rows->problem.work) / 1024;
     for (int way = 0; way < NUM_WAYS; way++) {
         size_t plan_stack = 0, quote_stack = 0;
@@ -678,11 +703,14 @@ static void report_memory(report_t* report, row_t* rows, int count) {
     add_goal("ssv_plan_t and the memory to work in [KiB]", kept_KiB, 32, false);
 }
 
-// ---- Command line -------------------------------------------------------------------------------------------------------
+// ---- Command line
+// -------------------------------------------------------------------------------------------------------
 
 static const char manual[] =
-    "Measures method paper, and method optimal with effort quick and best. For the scenarios in host/scenarios: times of "
-    "plans, prices and lower bounds in process, and of plans as a round trip over LCM to an ssv-plannerd of its own, beside "
+    "Measures method paper, and method optimal with effort quick and best. For the scenarios in host/scenarios: times "
+    "of "
+    "plans, prices and lower bounds in process, and of plans as a round trip over LCM to an ssv-plannerd of its own, "
+    "beside "
     "a fixed calibration loop. For random tasks: times, and prices against method paper for four pairs of weights. For "
     "single legs: times of profiles, and of the paper's own Euler iteration. Plans in float and in fixed point beside "
     "double. The memory that plans take. In the end the "

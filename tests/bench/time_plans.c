@@ -1,6 +1,6 @@
-/// Plans and prices each shipped scenario REPEATS times by method optimal, effort quick, and by method paper, in the scalar that
-/// it is built with: `time_plans REPEATS` prints a line for each time, the scenario, the method, and milliseconds of plan and
-/// price. The scenarios take turns, so that all see the same disturbances.
+/// Plans and prices each shipped scenario REPEATS times by method optimal, effort quick, and by method paper, in the
+/// scalar that it is built with: `time_plans REPEATS` prints a line for each time, the scenario, the method, and
+/// milliseconds of plan and price. The scenarios take turns, so that all see the same disturbances.
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
 #include <stdlib.h>

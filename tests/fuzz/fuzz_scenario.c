@@ -1,5 +1,5 @@
-// libFuzzer target: the bytes of a scenario_t or a scenario_batch_t as they may come from anyone, decoded and answered as
-// the daemon does it. Whatever they are, the answer must be sound.
+// libFuzzer target: the bytes of a scenario_t or a scenario_batch_t as they may come from anyone, decoded and answered
+// as the daemon does it. Whatever they are, the answer must be sound.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,12 +7,12 @@
 
 #include "ssv/answer.h"
 
-#define CHECK(condition)                                                                                                 \
-    do {                                                                                                                 \
-        if (!(condition)) {                                                                                              \
-            fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition);                                      \
-            abort();                                                                                                     \
-        }                                                                                                                \
+#define CHECK(condition)                                                                                               \
+    do {                                                                                                               \
+        if (!(condition)) {                                                                                            \
+            fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition);                                    \
+            abort();                                                                                                   \
+        }                                                                                                              \
     } while (0)
 
 static bool is_price(double x) { return isfinite(x) && x >= 0; }
@@ -36,7 +36,8 @@ static void check_candidates(const lcm_ssv_scenario_t* question, const lcm_ssv_q
         const bool feasible = candidate->reason[0] == '\0';
         CHECK(strlen(candidate->reason) < SSV_CANDIDATE_REASON_SIZE);
         CHECK(!feasible || is_ok);
-        CHECK(!feasible || quote->cost <= candidate->cost || is_near(quote->cost, candidate->cost)); // sums in another order
+        CHECK(!feasible || quote->cost <= candidate->cost ||
+              is_near(quote->cost, candidate->cost)); // sums in another order
     }
 }
 
@@ -48,7 +49,8 @@ static void check_front(const lcm_ssv_scenario_t* question, const lcm_ssv_quote_
         const lcm_ssv_candidate_t* point = &quote->front[i];
         CHECK(point->reason[0] == '\0');
         check_price(question, point->time_s, point->impulse_Ns, point->cost);
-        CHECK(i == 0 || (quote->front[i - 1].time_s < point->time_s && quote->front[i - 1].impulse_Ns > point->impulse_Ns));
+        CHECK(i == 0 ||
+              (quote->front[i - 1].time_s < point->time_s && quote->front[i - 1].impulse_Ns > point->impulse_Ns));
     }
 }
 
@@ -61,7 +63,8 @@ static void check_quote(const lcm_ssv_scenario_t* question, const lcm_ssv_quote_
     const bool is_effort =
         options->effort == LCM_SSV_OPTIONS_T_EFFORT_QUICK || options->effort == LCM_SSV_OPTIONS_T_EFFORT_BEST;
     CHECK((is_method && is_effort) || quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID);
-    CHECK(quote->status != LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW); // what is within its range does not overflow a double
+    CHECK(quote->status !=
+          LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW); // what is within its range does not overflow a double
     if (quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID) {
         CHECK(quote->num_candidates == 0 && quote->num_front == 0);
         return;
@@ -157,7 +160,8 @@ static void quote_all(const lcm_ssv_scenario_batch_t* batch, ssv_answer_t* answe
         const lcm_ssv_quote_t* of_plan = &answer->wire.quote;
         if (of_plan->status == LCM_SSV_QUOTE_T_STATUS_OK) {
             CHECK(quote->status == LCM_SSV_QUOTE_T_STATUS_OK && quote->cost <= of_plan->cost);
-            CHECK(quote->scenario_hash == of_plan->scenario_hash && quote->cost_lower_bound == of_plan->cost_lower_bound);
+            CHECK(quote->scenario_hash == of_plan->scenario_hash &&
+                  quote->cost_lower_bound == of_plan->cost_lower_bound);
         } else if (of_plan->status == LCM_SSV_QUOTE_T_STATUS_INVALID) {
             CHECK(quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID && strcmp(quote->reason, of_plan->reason) == 0);
         } else {

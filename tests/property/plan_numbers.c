@@ -1,12 +1,13 @@
-/// Plans the shipped scenarios, then tasks drawn from SEED, and prints a line of numbers for each, for test_scalars.py to
-/// compare between scalars. Usage: plan_numbers SEED METHOD FIRST STEP COUNT; METHOD is that of ssv_method_t, and every STEP-th
-/// task from FIRST up to COUNT is planned. A line has the task's number, the status, whether a result did not fit the scalar,
-/// and of a plan J, time, impulse, contact, attach height, ring angle, the beam's half length, the standoff, port position and
-/// axis, the final poses of vehicle and beam, how far the plan sampled a moment before the end of a leg is from that end, at
-/// most, the pose of the beam on the vehicle, and of each leg the vehicle's pose at its end, its phase, kind, twist and length.
+/// Plans the shipped scenarios, then tasks drawn from SEED, and prints a line of numbers for each, for test_scalars.py
+/// to compare between scalars. Usage: plan_numbers SEED METHOD FIRST STEP COUNT; METHOD is that of ssv_method_t, and
+/// every STEP-th task from FIRST up to COUNT is planned. A line has the task's number, the status, whether a result did
+/// not fit the scalar, and of a plan J, time, impulse, contact, attach height, ring angle, the beam's half length, the
+/// standoff, port position and axis, the final poses of vehicle and beam, how far the plan sampled a moment before the
+/// end of a leg is from that end, at most, the pose of the beam on the vehicle, and of each leg the vehicle's pose at
+/// its end, its phase, kind, twist and length.
 ///
-/// With `plan_numbers SEED METHOD -` it reads such lines of another scalar instead and prices their motions: a line has the task's
-/// number, J and time.
+/// With `plan_numbers SEED METHOD -` it reads such lines of another scalar instead and prices their motions: a line has
+/// the task's number, J and time.
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -93,7 +94,8 @@ static void plan_tasks(uint64_t seed, int method, int first, int step, int count
     }
 }
 
-// ---- Motions of another scalar ------------------------------------------------------------------------------------------
+// ---- Motions of another scalar
+// ------------------------------------------------------------------------------------------
 
 static bool read_reals(char** at, real_t* values, int num) {
     for (int k = 0; k < num; k++) {

@@ -1,4 +1,5 @@
-// Estimates of legs against the profile that is flown: legs of both models' bodies, along which the search goes by the former.
+// Estimates of legs against the profile that is flown: legs of both models' bodies, along which the search goes by the
+// former.
 #include <stdio.h>
 
 #include "planner/estimate.h"
@@ -60,8 +61,8 @@ static void test_estimates_are_close_to_the_price_of_the_optimal_profile(void) {
         highest = fmax(highest, off);
         if (move.kind == SSV_TRANSLATE && real_to_double(move.length) > 1) flight = fmax(flight, fabs(off));
     }
-    printf("seed %d, %d legs: estimates from %.1f %% to %+.1f %%; flights of a metre and more within %.2f %%\n", SEED, LEGS,
-           100 * lowest, 100 * highest, 100 * flight);
+    printf("seed %d, %d legs: estimates from %.1f %% to %+.1f %%; flights of a metre and more within %.2f %%\n", SEED,
+           LEGS, 100 * lowest, 100 * highest, 100 * flight);
     TEST_ASSERT_TRUE(lowest > -TOO_LOW && highest < TOO_HIGH && flight < FLIGHT_OFF);
 }
 

@@ -1,4 +1,5 @@
-// Plans of random tasks, flown open loop in the independent physics of sim/. SSV_LONG=1 flies a thousand of method optimal.
+// Plans of random tasks, flown open loop in the independent physics of sim/. SSV_LONG=1 flies a thousand of method
+// optimal.
 #include <stdio.h>
 
 #include "flight.h"
@@ -9,8 +10,8 @@
 // Case k of a sweep starts with task_seed(SEED + k).
 #define SEED 20261123
 #define MAX_FLIGHTS 1000
-// Half the step moves the end by less than a micrometre, of an unstable flight by less than 0.1 mm; flights of hours take the
-// coarser one.
+// Half the step moves the end by less than a micrometre, of an unstable flight by less than 0.1 mm; flights of hours
+// take the coarser one.
 #define LONG_FLIGHT_S 1800
 #define STEP_S 0.005
 #define COARSE_STEP_S 0.02
@@ -70,8 +71,8 @@ static void print_distribution(const char* name, double position_mm[], double po
         mm[n] = sweep_quantile(position_mm, count, q[n]);
         deg[n] = sweep_quantile(pointing_deg, count, q[n]);
     }
-    printf("%s: %d flights, position median %.3f, p99 %.3f, worst %.3f mm; pointing %.5f, %.5f, %.5f deg\n", name, count,
-           mm[0], mm[1], mm[2], deg[0], deg[1], deg[2]);
+    printf("%s: %d flights, position median %.3f, p99 %.3f, worst %.3f mm; pointing %.5f, %.5f, %.5f deg\n", name,
+           count, mm[0], mm[1], mm[2], deg[0], deg[1], deg[2]);
 }
 
 static void fly_tasks(const char* name, int count, void (*run)(int k, void* result)) {

@@ -1,13 +1,13 @@
 // Optimal profiles against two oracles that share nothing with the closed forms.
 //
-// by_stages() assumes nothing of the optimum: dynamic programming over speed at fixed stages of distance, any sequence of
-// speeds allowed, on a mesh that is refined around the best sequence. It is slow and good to some 1e-4.
+// by_stages() assumes nothing of the optimum: dynamic programming over speed at fixed stages of distance, any sequence
+// of speeds allowed, on a mesh that is refined around the best sequence. It is slow and good to some 1e-4.
 //
 // by_peak() is fast. It takes for granted that the speed rises, may stay, and falls. For a peak speed p the rest of the
 // distance is flown at p for L(p, 0) / p per metre; at that price each speed below p is left upward and downward by the
-// acceleration that costs least, found by trying every kink of L and the limits. Summing these costs over speed (they are
-// continuous and bounded, also where the distance is not) prices the peak; the cheapest peak is looked for by brute force.
-// Neither where the speed stops rising nor that a short leg has no cruise is put in.
+// acceleration that costs least, found by trying every kink of L and the limits. Summing these costs over speed (they
+// are continuous and bounded, also where the distance is not) prices the peak; the cheapest peak is looked for by brute
+// force. Neither where the speed stops rising nor that a short leg has no cruise is put in.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -68,7 +68,8 @@ static double top_speed(const leg_t* leg) {
     return top;
 }
 
-// ---- Oracle: cheapest peak speed ---------------------------------------------------------------------------------------
+// ---- Oracle: cheapest peak speed
+// ---------------------------------------------------------------------------------------
 
 // The a > 0 (up) or a < 0 that minimises (L(v, a) - price v) / |a|; that minimum.
 static double cheapest(const leg_t* leg, double price, double v, bool up, double* a_best) {
@@ -112,8 +113,9 @@ static double ramps(const leg_t* leg, double price, double peak, double* reach) 
     return cost;
 }
 
-// Cost of the leg with this peak speed. Cruise at the peak sets the price of distance; where the ramps alone would be longer
-// than the leg, the price is the lower one at which they fit. That is where price * distance + ramps is greatest.
+// Cost of the leg with this peak speed. Cruise at the peak sets the price of distance; where the ramps alone would be
+// longer than the leg, the price is the lower one at which they fit. That is where price * distance + ramps is
+// greatest.
 static double cost_of_peak(const leg_t* leg, double peak) {
     double reach, high = rate(leg, peak, 0) / peak, low = -10 * high;
     double cost = high * leg->distance + ramps(leg, high, peak, &reach);
@@ -172,7 +174,8 @@ static double by_peak(const leg_t* leg) {
     return fmin(best, cost_of_peak(leg, golden(cost_of_peak, leg, at / sqrt(2), fmin(at * sqrt(2), fastest), 16)));
 }
 
-// ---- Oracle: dynamic programming over stages of distance ---------------------------------------------------------------
+// ---- Oracle: dynamic programming over stages of distance
+// ---------------------------------------------------------------
 
 #define MAX_STAGES 640
 #define FEW_STAGES 20
@@ -192,8 +195,8 @@ static double hop(const leg_t* leg, double v0, double v1, double ds) {
     return (leg->w1 + leg->w2 * sum) * ds / v;
 }
 
-// The best sequence of speeds on a mesh around v[], at most width[] above and below it, takes the place of v[], and the mesh
-// shrinks where it was not left at its rim. Returns the cost.
+// The best sequence of speeds on a mesh around v[], at most width[] above and below it, takes the place of v[], and the
+// mesh shrinks where it was not left at its rim. Returns the cost.
 static double best_on_mesh(const leg_t* leg, int stages, const double* s, double top, double* width, double* v) {
     static double mesh[MAX_STAGES + 1][MESH], cost[MESH], next[MESH];
     static unsigned char from[MAX_STAGES + 1][MESH];
@@ -251,7 +254,8 @@ static double by_stages(const leg_t* leg, int finest) {
     return best;
 }
 
-// ---- The legs ----------------------------------------------------------------------------------------------------------
+// ---- The legs
+// ----------------------------------------------------------------------------------------------------------
 
 // The SSV along and about one of its axes: Tables 1 and 2 of the paper on the default thrusters.
 static ssv_thrusts_t straight(void) {
@@ -274,7 +278,8 @@ static const ssv_thrusts_t pair_about_S = {
     {8.659, -8.659, 66.097, 62.660, 0, 0}, {0}, {312.88, -312.88, 2389.74, 2372.42, 0, 0}, FORCE};
 static const ssv_thrusts_t without_drag = {{10, 5, 0, -10, 2, 1}, {0}, {0}, FORCE};
 // Drag of thruster 0 cancels at 0.05: a coast on it approaches that speed and never passes it.
-static const ssv_thrusts_t cancelling = {{30, -25, 4, 9, 0, -2}, {20, -90, 15, 0, 3, 1}, {-400, 0, 60, 25, 9, 0}, FORCE};
+static const ssv_thrusts_t cancelling = {
+    {30, -25, 4, 9, 0, -2}, {20, -90, 15, 0, 3, 1}, {-400, 0, 60, 25, 9, 0}, FORCE};
 
 // Six unequal thrusters, inertia and drag over three decades; some do not act, some mirror each other, some feel no
 // drag.
@@ -320,49 +325,50 @@ static leg_t random_leg(int n) {
     leg.w2 = n % 5 < 4 ? weights[n % 5][1] : w2;
     const double cap = top_speed(&leg) * task_between(0.05, 1);
     leg.cap = task_below(4) == 0 ? cap : 0;
-    const double top = top_speed(&leg), cruise = golden(cruise_price, &leg, 0, top, 60); // no leg longer than a plan may take
+    const double top = top_speed(&leg),
+                 cruise = golden(cruise_price, &leg, 0, top, 60); // no leg longer than a plan may take
     leg.distance = fmin(leg.distance, 0.5 * (double)SSV_DURATION_MAX_S * cruise);
     return leg;
 }
 
-// The first two are flights of the mated pair all but along an axis of the vehicle. Of one, two thrusters feel 4e-5 of the drag,
-// and two that hardly act along it would idle between them and the others; of the other, two idle a millionth apart, and the
-// tightest limit changes from one thruster to another where they do. The last two are random legs with little drag, on which a
-// coast takes a few millionths or ten thousandths off the speed.
-static const leg_t hard[] = {{.thrusts = {{43.781801187620779, -43.781798751267281, -28.626850263652162, -28.623578870766334,
-                                           -1.5524003940711441e-05, 3.2496144036179893e-06},
-                                          {206.84249985564153, -206.84249985564153, -0.007727675460889101, 0.007727675460889101,
-                                           -4.4346990680567114e-05, 4.4346990680567114e-05},
+// The first two are flights of the mated pair all but along an axis of the vehicle. Of one, two thrusters feel 4e-5 of
+// the drag, and two that hardly act along it would idle between them and the others; of the other, two idle a millionth
+// apart, and the tightest limit changes from one thruster to another where they do. The last two are random legs with
+// little drag, on which a coast takes a few millionths or ten thousandths off the speed.
+static const leg_t hard[] = {{.thrusts = {{43.781801187620779, -43.781798751267281, -28.626850263652162,
+                                           -28.623578870766334, -1.5524003940711441e-05, 3.2496144036179893e-06},
+                                          {206.84249985564153, -206.84249985564153, -0.007727675460889101,
+                                           0.007727675460889101, -4.4346990680567114e-05, 4.4346990680567114e-05},
                                           {0},
                                           FORCE},
                               .w1 = 0.01,
                               .w2 = 1,
                               .distance = 3.76156436},
-                             {.thrusts = {{44.071433431050941, -44.071396635312873, 32.919533083844385, 29.488459883853551,
-                                           -4.9078246107085998e-05, 0.00023445578263238184},
-                                          {206.6952262619975, -206.6952262619975, 7.8040531970937455, -7.8040531970937455,
-                                           -0.00066976331877210634, 0.00066976331877210634},
-                                          {113.27691923888854, -113.27622465987675, 593.15555858496214, 589.89017434068296,
-                                           0.0014335498372237319, 0.0021281288488343331},
+                             {.thrusts = {{44.071433431050941, -44.071396635312873, 32.919533083844385,
+                                           29.488459883853551, -4.9078246107085998e-05, 0.00023445578263238184},
+                                          {206.6952262619975, -206.6952262619975, 7.8040531970937455,
+                                           -7.8040531970937455, -0.00066976331877210634, 0.00066976331877210634},
+                                          {113.27691923888854, -113.27622465987675, 593.15555858496214,
+                                           589.89017434068296, 0.0014335498372237319, 0.0021281288488343331},
                                           FORCE},
                               .w1 = 1,
                               .w2 = 0.1,
                               .distance = 6.6751939},
-                             {.thrusts = {{7.041353516531438, -5.4786840662715681, 5.6472344741197134, 9.418735340523936,
-                                           1.9717866836890023, -4.7078600848543228},
+                             {.thrusts = {{7.041353516531438, -5.4786840662715681, 5.6472344741197134,
+                                           9.418735340523936, 1.9717866836890023, -4.7078600848543228},
                                           {0},
-                                          {0.00010941599771569371, -1.1199572183372237, 1.2854708356201139, 4.2510163728796374e-05,
-                                           -7.0519709863106766e-05, 0.81325781372274542},
+                                          {0.00010941599771569371, -1.1199572183372237, 1.2854708356201139,
+                                           4.2510163728796374e-05, -7.0519709863106766e-05, 0.81325781372274542},
                                           FORCE},
                               .w1 = 0.096050145098732206,
                               .w2 = 4.66308997066613,
                               .cap = 0.81464315485896732,
                               .distance = 0.28401134658139676},
-                             {.thrusts = {{-1.5840114060103687, 1.5840114060103687, -1.6905697530623003, 1.6905697530623003,
-                                           -1.2166115661301506, 1.2166115661301506},
+                             {.thrusts = {{-1.5840114060103687, 1.5840114060103687, -1.6905697530623003,
+                                           1.6905697530623003, -1.2166115661301506, 1.2166115661301506},
                                           {0},
-                                          {-0.061575586917902658, 0.061575586917902658, -0.016109833008219283, 0.016109833008219283,
-                                           -0.015486049271063002, 0.015486049271063002},
+                                          {-0.061575586917902658, 0.061575586917902658, -0.016109833008219283,
+                                           0.016109833008219283, -0.015486049271063002, 0.015486049271063002},
                                           FORCE},
                               .w1 = 1,
                               .w2 = 1,
@@ -394,7 +400,8 @@ static ssv_outcome_t solve(const leg_t* leg) {
 
 static double price(const leg_t* leg) { return leg->w1 * profile.duration_s + leg->w2 * profile.impulse_Ns; }
 
-// ---- Tests -------------------------------------------------------------------------------------------------------------
+// ---- Tests
+// -------------------------------------------------------------------------------------------------------------
 
 static void agree(int n, const leg_t* leg) {
     const double coarse = by_stages(leg, 80), fine = by_stages(leg, 160);
@@ -405,10 +412,10 @@ static void agree(int n, const leg_t* leg) {
 static void test_the_two_oracles_agree(void) {
     const double quarter = acos(-1) / 2;
     const leg_t legs[] = {
-        {straight(), 1, 0, 0, 0.3025},      {straight(), 0.01, 1, 0, 0.05}, {turning(), 1, 0, 0, quarter},
-        {turning(), 1, 1, 0, quarter},      {turning(), 1, 0.1, 0.3, quarter}, {pair_about_C, 1, 1, 0, quarter},
-        {pair_about_C, 0.01, 1, 0, 0.2},    {pair_about_S, 1, 1, 0, quarter}, {without_drag, 1, 0.1, 0, 2.5},
-        {without_drag, 0.1, 1, 0.05, 2.5},  {cancelling, 1, 1, 0, 0.3},     {cancelling, 0.1, 1, 0, 3},
+        {straight(), 1, 0, 0, 0.3025},     {straight(), 0.01, 1, 0, 0.05},    {turning(), 1, 0, 0, quarter},
+        {turning(), 1, 1, 0, quarter},     {turning(), 1, 0.1, 0.3, quarter}, {pair_about_C, 1, 1, 0, quarter},
+        {pair_about_C, 0.01, 1, 0, 0.2},   {pair_about_S, 1, 1, 0, quarter},  {without_drag, 1, 0.1, 0, 2.5},
+        {without_drag, 0.1, 1, 0.05, 2.5}, {cancelling, 1, 1, 0, 0.3},        {cancelling, 0.1, 1, 0, 3},
     };
     for (int n = 0; n < (int)(sizeof legs / sizeof *legs); n++) agree(-1 - n, &legs[n]);
     task_seed((uint64_t)seed);
@@ -467,7 +474,8 @@ static void test_legs_join_keep_their_limits_and_add_up(void) {
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-12 * profile.peak_speed, 0, speed, name);
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-5 * leg.distance, leg.distance, distance, name);
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * time, time, profile.duration_s, name);
-        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-3 * impulse + 1e-9, impulse, profile.impulse_Ns, name); // the midpoint rule
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-3 * impulse + 1e-9, impulse, profile.impulse_Ns,
+                                          name); // the midpoint rule
     }
 }
 

@@ -55,7 +55,8 @@ static ssv_scenario_t task(int k, ssv_method_t method, ssv_effort_t effort) {
     return s;
 }
 
-// ---- Against the paper and the lower bound ------------------------------------------------------------------------------
+// ---- Against the paper and the lower bound
+// ------------------------------------------------------------------------------
 
 typedef struct {
     double bound, paper, quick, best; // best 0: not asked
@@ -91,9 +92,11 @@ static void test_optimal_never_costs_more_than_paper_nor_best_more_than_quick_no
         expect(!(p[k].best < p[k].bound), k, &below_bound);
         gained[num_best++] = 1 - p[k].best / p[k].quick;
     }
-    printf("seed %d, %d tasks: quick saves %.1f %% on paper (median; 1 in 100 below %.1f %%), is %.1f %% above the bound\n",
-           SEED, count, 100 * sweep_quantile(saved, count, 0.5), 100 * sweep_quantile(saved, count, 0.01),
-           100 * sweep_quantile(gap, count, 0.5));
+    printf(
+        "seed %d, %d tasks: quick saves %.1f %% on paper (median; 1 in 100 below %.1f %%), is %.1f %% above the "
+        "bound\n",
+        SEED, count, 100 * sweep_quantile(saved, count, 0.5), 100 * sweep_quantile(saved, count, 0.01),
+        100 * sweep_quantile(gap, count, 0.5));
     printf("of them %d: best saves another %.1f %% (median; 1 in 100 above %.1f %%)\n", num_best,
            100 * sweep_quantile(gained, num_best, 0.5), 100 * sweep_quantile(gained, num_best, 0.99));
     printf("%d without a price, %d above paper, %d best above quick, %d below the bound\n", no_price.count,
@@ -127,7 +130,8 @@ static void test_paper_never_costs_less_than_the_lower_bound(void) {
     assert_none("below the bound", below_bound);
 }
 
-// ---- Invariance ---------------------------------------------------------------------------------------------------------
+// ---- Invariance
+// ---------------------------------------------------------------------------------------------------------
 
 enum { MOVED, MIRRORED, TIMES_3, TIMES_4, NUM_CHANGES };
 static const char* const change_name[NUM_CHANGES] = {"moved", "mirrored", "weights times 3", "weights times 4"};
@@ -193,7 +197,8 @@ static bool same_price(const ssv_quote_t* a, const ssv_quote_t* b) {
            x->attach_height_m == y->attach_height_m && x->ring_angle_rad == y->ring_angle_rad;
 }
 
-// ---- Anywhere along the beam --------------------------------------------------------------------------------------------
+// ---- Anywhere along the beam
+// --------------------------------------------------------------------------------------------
 
 static ssv_scenario_t anywhere(int k, ssv_effort_t effort) {
     ssv_scenario_t s = task(k, SSV_METHOD_OPTIMAL, effort);
@@ -253,7 +258,8 @@ static void test_price_anywhere_along_the_beam_is_never_above_that_at_the_height
     TEST_ASSERT_TRUE(sweep_quantile(saved, count, 0.9) > 0.005);
 }
 
-// ---- Quotes, plans and fronts -------------------------------------------------------------------------------------------
+// ---- Quotes, plans and fronts
+// -------------------------------------------------------------------------------------------
 
 typedef enum { AS_QUOTED, BY_PAPER, DIFFERENT } plan_outcome_t;
 
@@ -265,7 +271,8 @@ static void compare_quote_with_plan(int k, void* result) {
     ssv_fault_t fault;
     plan_outcome_t* outcome = result;
     *outcome = DIFFERENT;
-    if (ssv_problem_init(&problem, &s, &fault) != SSV_OK || ssv_plan(&problem, &plan) != ssv_quote(&problem, &quote)) return;
+    if (ssv_problem_init(&problem, &s, &fault) != SSV_OK || ssv_plan(&problem, &plan) != ssv_quote(&problem, &quote))
+        return;
     bool by_paper = true;
     double time_s = 0, impulse_Ns = 0; // of what is flown, leg by leg
     for (int n = 0; n < plan.num_legs; n++) {
@@ -334,8 +341,8 @@ static void test_front_has_no_dominated_point_and_none_that_the_quote_betters(vo
         expect(check[k].priced, k, &wrong_price);
         points[k] = check[k].num_points;
     }
-    printf("seed %d, %d fronts of %.0f points (median; at most %.0f)\n", SEED, count, sweep_quantile(points, count, 0.5),
-           sweep_quantile(points, count, 1));
+    printf("seed %d, %d fronts of %.0f points (median; at most %.0f)\n", SEED, count,
+           sweep_quantile(points, count, 0.5), sweep_quantile(points, count, 1));
     assert_none("empty front", empty);
     assert_none("dominated point", dominated);
     assert_none("without the quote", without_quote);

@@ -1,5 +1,5 @@
-// Random legs against brute force: at every instant the thrust must be what the ramp's rule says, found by looking at every
-// breakpoint, and the totals must be the sums over small steps of time.
+// Random legs against brute force: at every instant the thrust must be what the ramp's rule says, found by looking at
+// every breakpoint, and the totals must be the sums over small steps of time.
 #include <stdio.h>
 
 #include "planner/profile.h"
@@ -24,9 +24,10 @@ static ssv_thrusts_t random_thrusts(void) {
     ssv_thrusts_t t;
     for (int i = 0; i < N; i++) {
         t.accel[i] = task_below(10) == 0 ? 0 : size * task_between(-1, 1);
-        t.linear[i] = task_below(10) < 7 ? t.accel[i] * linear * task_between(0, 1) : 0.3 * size * linear * task_between(-1, 1);
-        t.quadratic[i] =
-            task_below(10) < 7 ? t.accel[i] * quadratic * task_between(0, 1) : 0.3 * size * quadratic * task_between(-1, 1);
+        t.linear[i] =
+            task_below(10) < 7 ? t.accel[i] * linear * task_between(0, 1) : 0.3 * size * linear * task_between(-1, 1);
+        t.quadratic[i] = task_below(10) < 7 ? t.accel[i] * quadratic * task_between(0, 1)
+                                            : 0.3 * size * quadratic * task_between(-1, 1);
     }
     // Thrusters that mirror each other agree but for rounding, and part only with the square of the speed.
     if (task_below(3) == 0) {
@@ -51,7 +52,8 @@ static void limits(const ssv_thrusts_t* t, double v, double* low, double* high) 
     *high = INFINITY;
     for (int i = 0; i < N; i++) {
         if (t->accel[i] == 0) continue;
-        const double a = (t->force_max_N - drag(t, i, v)) / t->accel[i], b = (-t->force_max_N - drag(t, i, v)) / t->accel[i];
+        const double a = (t->force_max_N - drag(t, i, v)) / t->accel[i],
+                     b = (-t->force_max_N - drag(t, i, v)) / t->accel[i];
         *high = fmin(*high, fmax(a, b));
         *low = fmax(*low, fmin(a, b));
     }
@@ -119,7 +121,8 @@ static void test_random_legs_obey_their_ramp_and_add_up(void) {
         }
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-6 * stroke, stroke, distance, label);
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * time, time, profile.duration_s, label);
-        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-4 * impulse, impulse, profile.impulse_Ns, label); // the sum's midpoint rule
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-4 * impulse, impulse, profile.impulse_Ns,
+                                          label); // the sum's midpoint rule
     }
     printf("seed %d: %d of %d random legs feasible\n", SEED, feasible, LEGS);
     TEST_ASSERT_TRUE(feasible > LEGS / 2);

@@ -14,9 +14,7 @@ static uint64_t next(void) {
     return z ^ (z >> 31);
 }
 
-double task_between(double low, double high) {
-    return low + (high - low) * ((double)(next() >> 11) * 0x1p-53);
-}
+double task_between(double low, double high) { return low + (high - low) * ((double)(next() >> 11) * 0x1p-53); }
 
 int task_below(int n) { return (int)(next() % (uint64_t)n); }
 
@@ -42,15 +40,18 @@ quat_t task_attitude(void) {
         const double w = task_between(-1, 1), x = task_between(-1, 1), y = task_between(-1, 1), z = task_between(-1, 1);
         const double n = sqrt(w * w + x * x + y * y + z * z);
         if (n > 0.1 && n <= 1) {
-            const quat_t q = {real_from_double(w / n), real_from_double(x / n), real_from_double(y / n), real_from_double(z / n)};
+            const quat_t q = {real_from_double(w / n), real_from_double(x / n), real_from_double(y / n),
+                              real_from_double(z / n)};
             return q;
         }
     }
 }
 
 static void fill_thrusters(ssv_vehicle_t* vehicle, double jitter_m) {
-    static const double position[SSV_NUM_THRUSTERS][3] = {{0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
-    static const double direction[SSV_NUM_THRUSTERS][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    static const double position[SSV_NUM_THRUSTERS][3] = {{0, 0, 1},  {0, 0, -1}, {1, 0, 0},
+                                                          {-1, 0, 0}, {0, 1, 0},  {0, -1, 0}};
+    static const double direction[SSV_NUM_THRUSTERS][3] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
+                                                           {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
     for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
         const vec3_t p = {real_from_double(0.3025 * position[i][0]), real_from_double(0.3025 * position[i][1]),
                           real_from_double(0.3025 * position[i][2])};
@@ -159,8 +160,8 @@ static vec3_t reflect(vec3_t v, task_axis_t axis) {
     return vec3(axis == TASK_X ? -v.x : v.x, axis == TASK_Y ? -v.y : v.y, axis == TASK_Z ? -v.z : v.z);
 }
 
-// With M the reflection of I in y and D that of the body in its axis, M R D = (M R M)(M D): in the first factor the axis of
-// rotation is reflected and the sense reversed, the second is a half turn or nothing.
+// With M the reflection of I in y and D that of the body in its axis, M R D = (M R M)(M D): in the first factor the
+// axis of rotation is reflected and the sense reversed, the second is a half turn or nothing.
 static pose_t reflect_pose(pose_t X, task_axis_t body_axis) {
     const quat_t q = {X.q.w, -X.q.x, X.q.y, -X.q.z};
     const quat_t half_turn = {REAL(body_axis == TASK_Y), REAL(body_axis == TASK_Z), REAL(0), REAL(body_axis == TASK_X)};

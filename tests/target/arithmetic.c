@@ -1,5 +1,5 @@
-/// Every operation of the scalar over seeded arguments. Prints a line for each: its name, a hash of all results, the mean
-/// and the most instructions of a call. The hashes of fixed point are the same everywhere.
+/// Every operation of the scalar over seeded arguments. Prints a line for each: its name, a hash of all results, the
+/// mean and the most instructions of a call. The hashes of fixed point are the same everywhere.
 #include <inttypes.h>
 #include <stdio.h>
 
@@ -37,8 +37,8 @@ static real_t tangent(real_t a, real_t b) { return (void)b, real_tan(a); }
 static const struct {
     const char* name;
     real_t (*call)(real_t a, real_t b);
-} operations[] = {{"nothing", nothing}, {"mul", real_mul},   {"div", real_div},  {"sqrt", root},    {"log1p", log1p_of},
-                  {"expm1", expm1_of},  {"sin", sine},       {"cos", cosine},    {"tan", tangent},  {"atan2", real_atan2}};
+} operations[] = {{"nothing", nothing}, {"mul", real_mul}, {"div", real_div}, {"sqrt", root},   {"log1p", log1p_of},
+                  {"expm1", expm1_of},  {"sin", sine},     {"cos", cosine},   {"tan", tangent}, {"atan2", real_atan2}};
 
 int main(void) {
     for (size_t k = 0; k < sizeof operations / sizeof *operations; k++) {

@@ -1,6 +1,6 @@
-/// Plans the shipped scenarios, each with both methods, then NUM_RANDOM seeded random tasks. Prints a line for each: what it
-/// is, method, status, J, plan hash, instructions, bytes of stack. Exit code 0, or 1 if a task is refused or a shipped
-/// scenario has no plan.
+/// Plans the shipped scenarios, each with both methods, then NUM_RANDOM seeded random tasks. Prints a line for each:
+/// what it is, method, status, J, plan hash, instructions, bytes of stack. Exit code 0, or 1 if a task is refused or a
+/// shipped scenario has no plan.
 #include <inttypes.h>
 #include <stdio.h>
 
@@ -33,7 +33,8 @@ static ssv_status_t try(const char* name, const ssv_scenario_t* scenario) {
     const uint64_t instructions = board_instructions() - before;
     printf("%s %s %s %.9g %08" PRIx32 "%08" PRIx32 " %.0f %u\n", name,
            scenario->method == SSV_METHOD_PAPER ? "paper" : "optimal", word(status), real_to_double(plan.quote.cost),
-           (uint32_t)(plan.plan_hash >> 32), (uint32_t)plan.plan_hash, (double)instructions, (unsigned)board_stack_used());
+           (uint32_t)(plan.plan_hash >> 32), (uint32_t)plan.plan_hash, (double)instructions,
+           (unsigned)board_stack_used());
     return status;
 }
 

@@ -1,6 +1,6 @@
-/// Writes scenario files as a C table, for programs on cores without files: write_scenarios MODELS_DIR FILE... > shipped.h
-/// The numbers are the doubles that go over the wire, to the last bit; REAL() rounds them to the scalar of whoever compiles
-/// the table. Exit codes: 0, 1 if a file is refused, 64 if none is given.
+/// Writes scenario files as a C table, for programs on cores without files: write_scenarios MODELS_DIR FILE... >
+/// shipped.h The numbers are the doubles that go over the wire, to the last bit; REAL() rounds them to the scalar of
+/// whoever compiles the table. Exit codes: 0, 1 if a file is refused, 64 if none is given.
 #include <stdio.h>
 #include <string.h>
 
@@ -77,9 +77,10 @@ int main(int argc, char** argv) {
         fputs("Usage: write_scenarios MODELS_DIR SCENARIO.yaml...\n", stderr);
         return 64;
     }
-    puts("// The shipped scenarios by the names of their files. Written by write_scenarios.\n"
-         "#include \"ssv/planner.h\"\n\n"
-         "static const struct {\n    const char* name;\n    ssv_scenario_t scenario;\n} shipped[] = {");
+    puts(
+        "// The shipped scenarios by the names of their files. Written by write_scenarios.\n"
+        "#include \"ssv/planner.h\"\n\n"
+        "static const struct {\n    const char* name;\n    ssv_scenario_t scenario;\n} shipped[] = {");
     for (int i = 2; i < argc; i++) {
         lcm_ssv_scenario_t scenario;
         char error[1024];

@@ -23,14 +23,16 @@ static void assert_vec3(double tolerance, vec3_t expected, vec3_t actual) {
 
 // Beam centre at (0.3025, -1.524, 0) in S with its tube along y of S.
 static ssv_assembly_t held_at_the_end(void) {
-    const ssv_assembly_t pair = {&problem.scenario.vehicle, &problem.scenario.beam,
-                                 {{0.3025, -1.524, 0}, {sqrt(0.5), -sqrt(0.5), 0, 0}}};
+    const ssv_assembly_t pair = {
+        &problem.scenario.vehicle, &problem.scenario.beam, {{0.3025, -1.524, 0}, {sqrt(0.5), -sqrt(0.5), 0, 0}}};
     return pair;
 }
 
 static void test_turn_of_the_pair_has_the_coefficients_of_the_model(void) {
     static const double table[2][3][6] = {
-        {{0, 0, 58.494, 58.494, 0, 0}, {-40.909, 40.909, -8.120, 8.120, 0, 0}, {257.16, -257.16, 1989.69, 1989.69, 0, 0}},
+        {{0, 0, 58.494, 58.494, 0, 0},
+         {-40.909, 40.909, -8.120, 8.120, 0, 0},
+         {257.16, -257.16, 1989.69, 1989.69, 0, 0}},
         {{8.659, -8.659, 66.097, 62.660, 0, 0}, {0, 0, 0, 0, 0, 0}, {312.88, -312.88, 2389.74, 2372.42, 0, 0}}};
     const ssv_scenario_t scenario = task_case_study(true);
     init(&scenario);
@@ -105,7 +107,8 @@ static void test_strip_drag_of_any_twist_matches_a_fine_sum_over_strips(void) {
             force = vec3_add(force, f);
             moment = vec3_add(moment, vec3_cross(vec3(0, 0, z), f));
         }
-        // 16 Gauss points across the kink: 2e-5 of the largest at worst, a thousandth of what moves a plan by a millimetre.
+        // 16 Gauss points across the kink: 2e-5 of the largest at worst, a thousandth of what moves a plan by a
+        // millimetre.
         const double scale = vec3_norm(force) + vec3_norm(moment);
         assert_vec3(2e-5 * scale, force, d.quadratic.force);
         assert_vec3(2e-5 * scale, moment, d.quadratic.moment);

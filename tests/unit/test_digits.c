@@ -1,4 +1,5 @@
-// Vectors, poses, laws, profiles and timelines in every scalar: what is short, slow or nearly equal keeps its digits, too.
+// Vectors, poses, laws, profiles and timelines in every scalar: what is short, slow or nearly equal keeps its digits,
+// too.
 #include <math.h>
 #include <string.h>
 
@@ -27,8 +28,8 @@ static void test_the_length_of_a_vector_is_as_good_as_its_components(void) {
     for (int n = 0; n < NUM_SIZES * NUM_OF_EACH; n++) {
         const vec3_t a = shorter(task_vector(1), n % NUM_SIZES);
         const long double expected = size_of(a);
-        // Rounded are three squares, half a digit each, and the root, which makes 1 / (2 * 0.29) of their error: 0.29 is the
-        // shortest that is not scaled. In fixed point that counts in last digits, else in parts of the length.
+        // Rounded are three squares, half a digit each, and the root, which makes 1 / (2 * 0.29) of their error: 0.29
+        // is the shortest that is not scaled. In fixed point that counts in last digits, else in parts of the length.
         const long double rounding = 3.1L * (long double)real_to_double(REAL_EPSILON);
         const long double allowed = strcmp(REAL_NAME, "fixed") == 0 ? rounding : rounding * expected;
         TEST_ASSERT_TRUE(fabsl((long double)real_to_double(vec3_norm(a)) - expected) <= allowed);
@@ -54,7 +55,8 @@ static void test_a_slow_coast_is_as_long_as_its_drag_says(void) {
     for (int n = 0; n < NUM_OF_EACH; n++) {
         const double fast = pow(10, task_between(-5, -2)), slow = fast * task_between(0.2, 0.6);
         const ssv_moments_t m = ssv_law_integrals(law, real_from_double(fast), real_from_double(slow));
-        const long double expected = log1pl((long double)(c * (slow - fast)) / (long double)(b + c * fast)) / (long double)c;
+        const long double expected =
+            log1pl((long double)(c * (slow - fast)) / (long double)(b + c * fast)) / (long double)c;
         // A part in ten thousand for the speeds' digits in fixed point, and its last digit.
         TEST_ASSERT_DOUBLE_WITHIN((double)(1e-4L * expected + 1e-9L), (double)expected, real_to_double(m.distance));
     }
@@ -80,7 +82,8 @@ static double beyond_the_limit_N(const ssv_thrusts_t* thrusts, const ssv_profile
     return most;
 }
 
-// Two thrusters that mirror each other but for some parts in 100,000, and a third that is at its limit up to where they are.
+// Two thrusters that mirror each other but for some parts in 100,000, and a third that is at its limit up to where they
+// are.
 static void test_no_thruster_is_driven_beyond_its_limit_where_two_nearly_mirror_each_other(void) {
     static const ssv_ramp_t ramp[] = {SSV_OPTIMAL, SSV_FULL_REVERSE, SSV_DRAG_ONLY};
     for (int n = 0; n < 3 * NUM_OF_EACH; n++) {
@@ -92,7 +95,8 @@ static void test_no_thruster_is_driven_beyond_its_limit_where_two_nearly_mirror_
             .quadratic = {REAL(-1.72), REAL(1.72), real_from_double(task_between(-10, -1))},
             .force_max_N = REAL(6)};
         ssv_profile_t profile;
-        const ssv_outcome_t outcome = ssv_profile_solve(&thrusts, &rule, real_from_double(task_between(0.5, 5)), &profile);
+        const ssv_outcome_t outcome =
+            ssv_profile_solve(&thrusts, &rule, real_from_double(task_between(0.5, 5)), &profile);
         // Where the least thrust does not slow it, the vehicle does not drift.
         TEST_ASSERT_TRUE(outcome == SSV_FEASIBLE || (rule.ramp == SSV_DRAG_ONLY && outcome == SSV_NO_AUTHORITY));
         if (outcome != SSV_FEASIBLE) continue;
@@ -113,17 +117,21 @@ static double cost_of_cruise(const ssv_thrusts_t* thrusts, const ssv_rule_t* rul
 // Two thrusters that hardly act along the leg idle, one after the other, within moments of its end.
 static void test_a_long_leg_cruises_at_the_cheapest_speed_past_thrusters_that_hardly_act(void) {
     const ssv_rule_t rule = {SSV_OPTIMAL, REAL(0), REAL(0.01), REAL(1), REAL(0)};
-    ssv_thrusts_t thrusts = {
-        .accel = {REAL(-43.7846298), REAL(43.7789567), REAL(-23.1589955), REAL(-23.1377917), REAL(0.0103), REAL(-0.0334128)},
-        .linear = {REAL(-206.842468), REAL(206.842468), REAL(-0.0500875), REAL(0.0500875), REAL(0.103262), REAL(-0.103262)},
-        .quadratic = {REAL(-101.640538), REAL(101.539105), REAL(-413.865633), REAL(-413.865633), REAL(-0.155897), REAL(-0.25733)},
-        .force_max_N = REAL(6)};
+    ssv_thrusts_t thrusts = {.accel = {REAL(-43.7846298), REAL(43.7789567), REAL(-23.1589955), REAL(-23.1377917),
+                                       REAL(0.0103), REAL(-0.0334128)},
+                             .linear = {REAL(-206.842468), REAL(206.842468), REAL(-0.0500875), REAL(0.0500875),
+                                        REAL(0.103262), REAL(-0.103262)},
+                             .quadratic = {REAL(-101.640538), REAL(101.539105), REAL(-413.865633), REAL(-413.865633),
+                                           REAL(-0.155897), REAL(-0.25733)},
+                             .force_max_N = REAL(6)};
     for (int n = 0; n < NUM_OF_EACH; n++) {
         thrusts.accel[4] = real_from_double(task_between(0.008, 0.012));
         ssv_profile_t profile;
-        TEST_ASSERT_EQUAL(SSV_FEASIBLE, ssv_profile_solve(&thrusts, &rule, real_from_double(task_between(10, 16)), &profile));
+        TEST_ASSERT_EQUAL(SSV_FEASIBLE,
+                          ssv_profile_solve(&thrusts, &rule, real_from_double(task_between(10, 16)), &profile));
         const double v = real_to_double(profile.peak_speed), cost = cost_of_cruise(&thrusts, &rule, v);
-        // Cheaper than at a thousandth more or less, which costs half a millionth: fixed point tells a part in 100 million.
+        // Cheaper than at a thousandth more or less, which costs half a millionth: fixed point tells a part in 100
+        // million.
         TEST_ASSERT_TRUE(cost < cost_of_cruise(&thrusts, &rule, 1.001 * v));
         TEST_ASSERT_TRUE(cost < cost_of_cruise(&thrusts, &rule, 0.999 * v));
     }
@@ -172,8 +180,9 @@ static void test_a_piece_whose_thrusts_bend_within_a_fraction_of_a_millisecond_h
     }
 }
 
-// A leg of one thruster that is asked to cruise so slowly that fixed point rounds its speed to nothing, and the same at the paper's
-// rules with a limit that is rounded to nothing. The IEEE scalars have such speeds and find that the leg takes too long.
+// A leg of one thruster that is asked to cruise so slowly that fixed point rounds its speed to nothing, and the same at
+// the paper's rules with a limit that is rounded to nothing. The IEEE scalars have such speeds and find that the leg
+// takes too long.
 static void test_a_leg_too_slow_for_the_scalar_is_an_honest_outcome(void) {
     ssv_thrusts_t thrusts = {.force_max_N = REAL(1000)};
     for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {

@@ -1,5 +1,6 @@
-// The fixed-point scalar by itself, in every build: products, quotients and roots against the definition of correct rounding
-// in 128 bits, functions against long double, and what happens at the limits. With SSV_LONG set, 10^8 points of each.
+// The fixed-point scalar by itself, in every build: products, quotients and roots against the definition of correct
+// rounding in 128 bits, functions against long double, and what happens at the limits. With SSV_LONG set, 10^8 points
+// of each.
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -54,7 +55,8 @@ static void fail_with(const char* what, int n, real_t a, real_t b, real_t got) {
     TEST_FAIL_MESSAGE(text);
 }
 
-// ---- Correct rounding ---------------------------------------------------------------------------------------------------
+// ---- Correct rounding
+// ---------------------------------------------------------------------------------------------------
 
 // Whether got is n / d to the nearest, ties to even; d > 0.
 static bool is_nearest(exact_t n, exact_t d, exact_t got) {
@@ -92,7 +94,8 @@ static void test_quotients_are_rounded_to_the_nearest_with_ties_to_even(void) {
                 got != ((a < 0) != (b < 0) ? -REAL_MAX : REAL_MAX)) {
                 fail_with("quotient overflowed", n, a, b, got);
             }
-        } else if (b == 0 || !is_nearest((exact_t)a * (b < 0 ? -ONE : ONE), size_of(b), got) || size_of(got) > REAL_MAX) {
+        } else if (b == 0 || !is_nearest((exact_t)a * (b < 0 ? -ONE : ONE), size_of(b), got) ||
+                   size_of(got) > REAL_MAX) {
             fail_with("quotient", n, a, b, got);
         }
     }
@@ -114,15 +117,16 @@ static void test_square_roots_are_rounded_to_the_nearest(void) {
     }
 }
 
-// ---- Functions ----------------------------------------------------------------------------------------------------------
+// ---- Functions
+// ----------------------------------------------------------------------------------------------------------
 
 typedef struct {
     const char* name;
     real_t (*function)(real_t);
     long double (*reference)(long double);
-    real_t low, high;     // where it is sampled
-    long double result;   // results beyond this size are not looked at
-    long double bound;    // largest error [ulp]
+    real_t low, high;   // where it is sampled
+    long double result; // results beyond this size are not looked at
+    long double bound;  // largest error [ulp]
 } function_t;
 
 // One third uniform, one third of every size, one third around multiples of a quarter turn.
@@ -198,7 +202,8 @@ static void test_odd_functions_are_exactly_odd_and_the_cosine_is_exactly_even(vo
     }
 }
 
-// ---- Limits -------------------------------------------------------------------------------------------------------------
+// ---- Limits
+// -------------------------------------------------------------------------------------------------------------
 
 static void test_what_does_not_fit_or_exist_becomes_the_limit_and_counts(void) {
     const real_t big = REAL(10000);
@@ -254,7 +259,8 @@ static void test_a_sum_of_31_results_stays_inside_the_64_bits(void) {
     }
 }
 
-// ---- Boundary -----------------------------------------------------------------------------------------------------------
+// ---- Boundary
+// -----------------------------------------------------------------------------------------------------------
 
 static void test_constants_and_doubles_are_rounded_to_the_nearest(void) {
     TEST_ASSERT_EQUAL_INT64(INT64_C(1) << 32, REAL(1));

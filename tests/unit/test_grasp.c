@@ -65,7 +65,8 @@ static void test_turn_takes_one_direction_onto_the_other_by_the_angle_between_th
         double angle;
         TEST_ASSERT_EQUAL_INT(1, ssv_grasp_turn_axes(from, to, axis, &angle));
         assert_vec3(1e-12, to, quat_apply(quat_from_axis_angle(axis[0], angle), from));
-        TEST_ASSERT_DOUBLE_WITHIN(1e-7, acos(fmax(-1, fmin(1, vec3_dot(from, to)))), angle); // acos is soft near 0 and pi
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, acos(fmax(-1, fmin(1, vec3_dot(from, to)))),
+                                  angle); // acos is soft near 0 and pi
     }
 }
 

@@ -26,7 +26,8 @@ static void test_pose_along_any_twist_solves_the_kinematic_equations(void) {
             X.p = vec3_add(X.p, quat_apply(middle, vec3_scale(s / steps, twist.v)));
             X.q = quat_unit(quat_mul(middle, half));
         }
-        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, pose_distance(X, ssv_move_pose(start, twist, s))); // steps^-2 of the midpoint rule
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0,
+                                  pose_distance(X, ssv_move_pose(start, twist, s))); // steps^-2 of the midpoint rule
     }
 }
 

@@ -78,7 +78,8 @@ static void test_bound_that_does_not_fit_is_the_bound_that_always_holds(void) {
 static void test_thrusters_whose_matrix_has_no_inverse_in_fixed_point_are_refused_as_singular(void) {
     ssv_scenario_t s = task_case_study(false);
     s.vehicle.radius_m = REAL(0.001);
-    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) s.vehicle.thruster[i].p_ST_m = vec3_scale(REAL(1e-7), s.vehicle.thruster[i].p_ST_m);
+    for (int i = 0; i < SSV_NUM_THRUSTERS; i++)
+        s.vehicle.thruster[i].p_ST_m = vec3_scale(REAL(1e-7), s.vehicle.thruster[i].p_ST_m);
     s.vehicle.thruster[0].p_ST_m = vec3(REAL(0), REAL(0), REAL(10));
     const uint32_t overflows = real_overflows();
     TEST_ASSERT_EQUAL_INT(SSV_E_SINGULAR, ssv_problem_init(&problem, &s, &fault));

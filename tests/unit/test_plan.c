@@ -59,7 +59,8 @@ static void test_choice_is_the_cheapest_candidate_and_its_price_is_that_of_the_p
         TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
         const int contacts = s.contact == 0 ? 2 : 1, heights = s.num_attach_heights == 0 ? 3 : s.num_attach_heights;
         TEST_ASSERT_EQUAL_INT(contacts * heights, plan.quote.num_candidates);
-        for (int k = 0; k < plan.quote.num_candidates; k++) TEST_ASSERT_TRUE(plan.quote.choice.cost <= plan.quote.candidate[k].cost);
+        for (int k = 0; k < plan.quote.num_candidates; k++)
+            TEST_ASSERT_TRUE(plan.quote.choice.cost <= plan.quote.candidate[k].cost);
         // To the last bit: what was quoted is what is flown.
         TEST_ASSERT_TRUE(plan.quote.choice.cost == plan.quote.cost && plan.quote.choice.time_s == plan.quote.time_s);
         TEST_ASSERT_TRUE(plan.quote.choice.impulse_Ns == plan.quote.impulse_Ns);
@@ -134,7 +135,8 @@ static void test_task_that_is_done_already_costs_nothing(void) {
     s.num_attach_heights = 1;
     s.attach_heights_m[0] = plan.quote.choice.attach_height_m;
     TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &other));
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0, other.quote.cost); // a turn by the rounding of the pose, 1e-8 rad, takes some 2e-4 s
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0,
+                              other.quote.cost); // a turn by the rounding of the pose, 1e-8 rad, takes some 2e-4 s
     TEST_ASSERT_EQUAL_INT(2, other.num_events);
 }
 
@@ -188,8 +190,8 @@ static void test_heavy_weights_and_strong_thrusters_price_a_task_beyond_any_roun
 }
 
 static void test_optimal_comes_close_to_coupled_motion_on_the_case_study(void) {
-    // The least J known for the case study of model paper, from direct collocation of motion that turns and flies at once,
-    // and how far above it either effort may stay.
+    // The least J known for the case study of model paper, from direct collocation of motion that turns and flies at
+    // once, and how far above it either effort may stay.
     static const struct {
         double time, impulse, coupled_optimum, slack[2];
     } row[] = {

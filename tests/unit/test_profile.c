@@ -28,7 +28,8 @@ static ssv_thrusts_t turning(void) {
 }
 
 static void solve(const ssv_thrusts_t* thrusts, ssv_ramp_t ramp, double cutoff, double distance) {
-    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(thrusts, &(ssv_rule_t){ramp, cutoff, 0, 0, 0}, distance, &profile));
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE,
+                          ssv_profile_solve(thrusts, &(ssv_rule_t){ramp, cutoff, 0, 0, 0}, distance, &profile));
 }
 
 static void test_straight_leg_takes_the_time_of_the_exact_solution_with_linear_drag(void) {
@@ -46,8 +47,8 @@ static void test_straight_leg_takes_the_time_of_the_exact_solution_with_linear_d
 }
 
 static void test_quarter_turn_takes_the_time_of_the_exact_solution_with_quadratic_drag(void) {
-    // Up: w = w_t tanh(t / tau), angle = w_t tau ln cosh. Down: w = w_t tan, angle = w_t tau ln(1 + (w/w_t)^2) / 2, equal to
-    // -ln(1 - (w/w_t)^2) / 2 for the first; the peak from their sum.
+    // Up: w = w_t tanh(t / tau), angle = w_t tau ln cosh. Down: w = w_t tan, angle = w_t tau ln(1 + (w/w_t)^2) / 2,
+    // equal to -ln(1 - (w/w_t)^2) / 2 for the first; the peak from their sum.
     const double w_t = sqrt(2 * FORCE * RADIUS / DRAG_ANG), reach = INERTIA / DRAG_ANG, angle = 1.5707963267948966;
     const double e = exp(2 * angle / reach), x2 = (e - 1) / (e + 1);
     const double exact = reach / w_t * (atanh(sqrt(x2)) + atan(sqrt(x2)));
@@ -117,19 +118,23 @@ static void test_pieces_join_in_time_speed_and_distance_and_cover_the_leg(void) 
 
 static void test_leg_that_no_thruster_acts_on_has_no_authority(void) {
     const ssv_thrusts_t t = {{0}, {0}, {0}, FORCE};
-    TEST_ASSERT_EQUAL_INT(SSV_NO_AUTHORITY, ssv_profile_solve(&t, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 1, &profile));
+    TEST_ASSERT_EQUAL_INT(SSV_NO_AUTHORITY,
+                          ssv_profile_solve(&t, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 1, &profile));
 }
 
 static void test_drag_only_is_refused_where_least_thrust_does_not_slow_the_body(void) {
     // One thruster idles at a = 0 and weighs more than the rest together: least thrust holds the speed.
     const ssv_thrusts_t t = {{100, 1, 1}, {0, 1, 1}, {0}, FORCE};
-    TEST_ASSERT_EQUAL_INT(SSV_NO_AUTHORITY, ssv_profile_solve(&t, &(ssv_rule_t){SSV_DRAG_ONLY, 0.001, 0, 0, 0}, 1, &profile));
-    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(&t, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 1, &profile));
+    TEST_ASSERT_EQUAL_INT(SSV_NO_AUTHORITY,
+                          ssv_profile_solve(&t, &(ssv_rule_t){SSV_DRAG_ONLY, 0.001, 0, 0, 0}, 1, &profile));
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE,
+                          ssv_profile_solve(&t, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 1, &profile));
 }
 
 static void test_leg_longer_than_the_longest_plan_is_too_long(void) {
     const ssv_thrusts_t t = straight();
-    TEST_ASSERT_EQUAL_INT(SSV_TOO_LONG, ssv_profile_solve(&t, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 600, &profile));
+    TEST_ASSERT_EQUAL_INT(SSV_TOO_LONG,
+                          ssv_profile_solve(&t, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 600, &profile));
 }
 
 int main(void) {

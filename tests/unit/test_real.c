@@ -1,4 +1,5 @@
-// What ssv/real.h promises of every scalar: the same names, and results that agree with double as closely as the scalar can.
+// What ssv/real.h promises of every scalar: the same names, and results that agree with double as closely as the scalar
+// can.
 #include "ssv/real.h"
 
 #include <math.h>
@@ -23,7 +24,9 @@ static void check(const char* what, double expected, real_t got) {
 }
 
 static void test_the_resolution_is_that_of_the_named_scalar(void) {
-    const double expected = strcmp(REAL_NAME, "double") == 0 ? 0x1p-52 : strcmp(REAL_NAME, "float") == 0 ? 0x1p-23 : 0x1p-32;
+    const double expected = strcmp(REAL_NAME, "double") == 0  ? 0x1p-52
+                            : strcmp(REAL_NAME, "float") == 0 ? 0x1p-23
+                                                              : 0x1p-32;
     TEST_ASSERT_DOUBLE_WITHIN(0, expected, resolution());
 }
 

@@ -166,7 +166,7 @@ static void test_drag_opposes_motion_in_any_direction_with_both_terms(void) {
     body.drag_quad_ang_Nm_s2 = 11;
     rb_craft_t craft;
     rb_craft_alone(&craft, &body);
-    const double nu[6] = {2, -3, 6, 1, 4, -8};   // |v| = 7, |w| = 9
+    const double nu[6] = {2, -3, 6, 1, 4, -8}; // |v| = 7, |w| = 9
     double tau[6];
     rb_drag(&craft, nu, tau);
     for (int i = 0; i < 3; i++) {
@@ -181,7 +181,7 @@ static void test_thrust_that_grows_in_time_moves_the_body_by_the_cubic(void) {
     rb_craft_alone(&craft, &body);
     rb_state_t state = at_rest();
     const double from[6] = {1, 0, 0, 0, 0, 0}, to[6] = {4, 0, 0, 0, 0, 0};
-    rb_step(&craft, &state, from, to, 2);   // one step: RK4 integrates a cubic exactly
+    rb_step(&craft, &state, from, to, 2); // one step: RK4 integrates a cubic exactly
     TEST_ASSERT_DOUBLE_WITHIN(1e-14, (1 * 2 + 1.5 * 2 * 2 / 2) / 76.2, state.nu[0]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-14, (1 * 2 * 2 / 2.0 + 1.5 * 2 * 2 * 2 / 6) / 76.2, state.eta.p_m[0]);
 }
@@ -279,13 +279,13 @@ static void test_a_pair_spins_about_its_own_centre_of_mass(void) {
     const double reduced_kg = 76.2 * share, span2 = 0.3025 * 0.3025 + 1.524 * 1.524;
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, momentum[0]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, momentum[1]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, w * (2.7 + 8.81 + reduced_kg * span2), momentum[5]);   // parallel axes
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, w * (2.7 + 8.81 + reduced_kg * span2), momentum[5]); // parallel axes
     run(&pair, &state, ZERO, 2 * PI / w, 5000);
     for (int i = 0; i < 3; i++) {
-        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, state.eta.p_m[i]);   // once round, home again
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, state.eta.p_m[i]); // once round, home again
     }
     run(&pair, &state, ZERO, PI / w, 2500);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 2 * c[0], state.eta.p_m[0]);   // half round: across the centre
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 2 * c[0], state.eta.p_m[0]); // half round: across the centre
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 2 * c[1], state.eta.p_m[1]);
 }
 
@@ -300,7 +300,8 @@ static void test_halving_the_step_divides_the_error_by_sixteen(void) {
     rb_state_t state[4];
     static const int steps[4] = {100, 200, 400, 6400};
     for (size_t i = 0; i < COUNT_OF(state); i++) {
-        // Well away from rest, so that no strip passes through zero speed, where drag has a kink in its second derivative.
+        // Well away from rest, so that no strip passes through zero speed, where drag has a kink in its second
+        // derivative.
         state[i] = at_rest();
         state[i].nu[0] = 0.8;
         state[i].nu[2] = -0.9;
@@ -328,7 +329,7 @@ static void test_broadside_drag_of_a_tube_has_its_closed_form(void) {
     const rb_body_t body = tube(k);
     rb_craft_t craft;
     rb_craft_alone(&craft, &body);
-    const double nu[6] = {0.3, -0.4, 5, 0, 0, 7};   // neither motion along the axis nor spin about it matters
+    const double nu[6] = {0.3, -0.4, 5, 0, 0, 7}; // neither motion along the axis nor spin about it matters
     double tau[6];
     rb_drag(&craft, nu, tau);
     const double expected[6] = {-k * length * 0.5 * 0.3, k * length * 0.5 * 0.4, 0, 0, 0, 0};
@@ -352,7 +353,8 @@ static void test_drag_of_a_tube_turning_about_its_middle_has_its_closed_form(voi
 }
 
 static void test_drag_of_a_tube_that_sweeps_in_a_plane_has_its_closed_form(void) {
-    // Strips move along x at v + w z. Where that changes sign, at z = -v/w, within the tube or not, |.| splits the integral.
+    // Strips move along x at v + w z. Where that changes sign, at z = -v/w, within the tube or not, |.| splits the
+    // integral.
     const double k = 10, h = 1.5, w = 0.4;
     rb_body_t body = tube(k);
     body.length_m = 2 * h;
@@ -365,7 +367,8 @@ static void test_drag_of_a_tube_that_sweeps_in_a_plane_has_its_closed_form(void)
         rb_drag(&craft, nu, tau);
         // With s = v + w z the strip's speed: the integrals of s |s| ds / w and (s - v) s |s| ds / w^2.
         const double force = -k / w * (pow(far, 3) - pow(fabs(near), 3)) / 3;
-        const double moment = -k / (w * w) * (pow(far, 3) * (far / 4 - v / 3) - pow(fabs(near), 3) * (near / 4 - v / 3));
+        const double moment =
+            -k / (w * w) * (pow(far, 3) * (far / 4 - v / 3) - pow(fabs(near), 3) * (near / 4 - v / 3));
         char label[40];
         snprintf(label, sizeof label, "v = %g", v);
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-11 * fabs(force), force, tau[0], label);
@@ -391,7 +394,7 @@ static void test_drag_of_a_tube_in_any_motion_is_the_sum_of_its_strips(void) {
         char label[40];
         snprintf(label, sizeof label, "trial %d", trial);
         for (int i = 0; i < 6; i++) {
-            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * scale, exact[i], tau[i], label);   // the midpoint rule's own error
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * scale, exact[i], tau[i], label); // the midpoint rule's own error
         }
     }
 }
@@ -433,7 +436,7 @@ static void test_a_plastic_mate_conserves_momentum_and_loses_energy(void) {
     rb_craft_joined(&pair, &vehicle, &beam, &X_SB);
     rb_state_t state = {{{1, 2, 3}, {0.5, 0.5, -0.5, 0.5}}, {0.02, -0.03, 0.01, 0.1, 0.05, -0.2}};
     double before[6], after[6], momentum[6];
-    world_momentum(&alone, &state, before);   // the beam rests: it has none
+    world_momentum(&alone, &state, before); // the beam rests: it has none
     const double energy = kinetic_energy(&alone, state.nu);
     rb_momentum(&alone, state.nu, momentum);
     rb_velocity(&pair, momentum, state.nu);

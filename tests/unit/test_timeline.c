@@ -36,7 +36,8 @@ static void test_timeline_of_random_legs_is_close_exact_in_impulse_contiguous_an
         const ssv_thrusts_t thrusts = random_thrusts();
         const ssv_ramp_t ramp = trial % 2 == 0 ? SSV_FULL_REVERSE : SSV_DRAG_ONLY;
         const double distance = pow(10, task_between(-2, 1.5));
-        if (ssv_profile_solve(&thrusts, &(ssv_rule_t){ramp, 0.01, 0, 0, 0}, distance, &profile) != SSV_FEASIBLE) continue;
+        if (ssv_profile_solve(&thrusts, &(ssv_rule_t){ramp, 0.01, 0, 0, 0}, distance, &profile) != SSV_FEASIBLE)
+            continue;
         for (int k = 0; k < profile.num_pieces; k++) {
             const ssv_piece_t* piece = &profile.piece[k];
             plan.num_segments = 0;
@@ -54,7 +55,10 @@ static void test_timeline_of_random_legs_is_close_exact_in_impulse_contiguous_an
                         const double along = (double)n / steps, at = segment->t_s - 100 + along * segment->duration_s;
                         const double exact = exact_thrust(&thrusts, piece, i, at);
                         TEST_ASSERT_DOUBLE_WITHIN(0.005 * 6, exact, segment->u_start_N[i] + along * rise);
-                        impulse += (n == 0 || n == steps ? 1 : n % 2 == 1 ? 4 : 2) * exact * segment->duration_s / (3 * steps);
+                        impulse += (n == 0 || n == steps ? 1
+                                    : n % 2 == 1         ? 4
+                                                         : 2) *
+                                   exact * segment->duration_s / (3 * steps);
                     }
                     TEST_ASSERT_TRUE(fabs(segment->u_start_N[i]) <= 6 && fabs(segment->u_end_N[i]) <= 6);
                     // Simpson's error on a stretch of the last seconds of a ramp, relative to the leg's whole impulse.
@@ -79,7 +83,8 @@ static void test_count_of_segments_is_close_to_what_is_cut(void) {
         plan.num_segments = 0;
         for (int k = 0; k < profile.num_pieces; k++) {
             counted += ssv_timeline_count(&thrusts, &profile.piece[k], drift_s2);
-            TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &profile.piece[k], 0, 0, drift_s2, &plan));
+            TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE,
+                                  ssv_timeline_append(&thrusts, &profile.piece[k], 0, 0, drift_s2, &plan));
         }
         TEST_ASSERT_TRUE(abs(counted - plan.num_segments) <= 1 + counted / 20);
     }
@@ -87,7 +92,8 @@ static void test_count_of_segments_is_close_to_what_is_cut(void) {
 
 static void test_constant_thrust_is_one_segment(void) {
     const ssv_thrusts_t thrusts = {{38.1, -38.1}, {206.8425, -206.8425}, {0}, 6};
-    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(&thrusts, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 2, &profile));
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE,
+                          ssv_profile_solve(&thrusts, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 2, &profile));
     plan.num_segments = 0;
     TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &profile.piece[0], 0, 0, 1e-4, &plan));
     TEST_ASSERT_EQUAL_INT(1, plan.num_segments);
@@ -96,7 +102,8 @@ static void test_constant_thrust_is_one_segment(void) {
 
 static void test_full_timeline_refuses_more(void) {
     const ssv_thrusts_t thrusts = {{38.1, -38.1}, {206.8425, -206.8425}, {0}, 6};
-    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_profile_solve(&thrusts, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 2, &profile));
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE,
+                          ssv_profile_solve(&thrusts, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 2, &profile));
     plan.num_segments = SSV_MAX_SEGMENTS;
     TEST_ASSERT_EQUAL_INT(SSV_TOO_MANY_SEGMENTS, ssv_timeline_append(&thrusts, &profile.piece[0], 0, 0, 1e-4, &plan));
     TEST_ASSERT_EQUAL_INT(SSV_MAX_SEGMENTS, plan.num_segments);

@@ -1,11 +1,11 @@
-/// The planner behind its wire types, with no transport between: one scenario_t in, one plan_t out; up to 16 scenarios in a
-/// scenario_batch_t in, as many prices in a quote_batch_t out. The daemon calls it for what arrives over LCM, `ssv plan` and
-/// `ssv quote` call it in process, so both give the same answer to the same question.
+/// The planner behind its wire types, with no transport between: one scenario_t in, one plan_t out; up to 16 scenarios
+/// in a scenario_batch_t in, as many prices in a quote_batch_t out. The daemon calls it for what arrives over LCM, `ssv
+/// plan` and `ssv quote` call it in process, so both give the same answer to the same question.
 ///
-/// This is where doubles of the wire become scalars of the core and back, and where a fault becomes a sentence. In, each double
-/// becomes the nearest scalar (of two as near, float takes the even one, fixed the larger in size); one beyond fixed's largest
-/// becomes that, which no field's range allows. Out, each scalar becomes the nearest double: itself in float, and in fixed up
-/// to 2^21 in size. All memory is the caller's; nothing here allocates.
+/// This is where doubles of the wire become scalars of the core and back, and where a fault becomes a sentence. In,
+/// each double becomes the nearest scalar (of two as near, float takes the even one, fixed the larger in size); one
+/// beyond fixed's largest becomes that, which no field's range allows. Out, each scalar becomes the nearest double:
+/// itself in float, and in fixed up to 2^21 in size. All memory is the caller's; nothing here allocates.
 #ifndef SSV_ANSWER_H
 #define SSV_ANSWER_H
 
@@ -25,7 +25,7 @@
 
 /// The longest messages [bytes], by the sizes of the wire types. A quote has a reason or a front, never both.
 #define SSV_QUOTE_BYTES_MAX (90 + SSV_REASON_SIZE + (45 + SSV_CANDIDATE_REASON_SIZE) * SSV_MAX_CANDIDATES)
-#define SSV_PLAN_BYTES_MAX                                                                                               \
+#define SSV_PLAN_BYTES_MAX                                                                                             \
     (140 + SSV_QUOTE_BYTES_MAX + 147 * SSV_MAX_LEGS + 113 * SSV_MAX_SEGMENTS + 9 * SSV_MAX_EVENTS)
 #define SSV_QUOTE_BATCH_BYTES_MAX (28 + SSV_QUOTE_BYTES_MAX * SSV_MAX_BATCH)
 
@@ -39,8 +39,8 @@ typedef struct {
 /// Memory for one answer: caller-owned, some 53 kB, best static. `wire` points into the rest, so the struct must not be
 /// copied or freed while wire is in use.
 typedef struct {
-    lcm_ssv_plan_t wire;          ///< the answer, ready to encode
-    ssv_plan_t plan;              ///< the core's plan behind it; meaningful when wire.quote.status is STATUS_OK
+    lcm_ssv_plan_t wire; ///< the answer, ready to encode
+    ssv_plan_t plan;     ///< the core's plan behind it; meaningful when wire.quote.status is STATUS_OK
     ssv_quote_parts_t parts;
     lcm_ssv_leg_t legs[SSV_MAX_LEGS];
     lcm_ssv_segment_t segments[SSV_MAX_SEGMENTS];
@@ -49,7 +49,7 @@ typedef struct {
 
 /// Memory for the answer to one batch: some 63 kB, likewise.
 typedef struct {
-    lcm_ssv_quote_batch_t wire;   ///< the answer, ready to encode
+    lcm_ssv_quote_batch_t wire; ///< the answer, ready to encode
     lcm_ssv_quote_t quotes[SSV_MAX_BATCH];
     ssv_quote_parts_t parts[SSV_MAX_BATCH];
 } ssv_batch_answer_t;
@@ -65,21 +65,22 @@ ssv_status_t ssv_answer(const lcm_ssv_scenario_t* question, ssv_answer_t* answer
 /// Refuses the question without planning it: status INVALID with this reason (copied, cut at SSV_REASON_SIZE - 1).
 void ssv_answer_refuse(const lcm_ssv_scenario_t* question, const char* reason, ssv_answer_t* answer);
 
-/// Answers a batch of 1..SSV_MAX_BATCH scenarios: a price for each, or why there is none; one that is refused leaves the
-/// others alone. A price is that of `ssv_answer`, to the last bit (ssv_quote names the one exception).
+/// Answers a batch of 1..SSV_MAX_BATCH scenarios: a price for each, or why there is none; one that is refused leaves
+/// the others alone. A price is that of `ssv_answer`, to the last bit (ssv_quote names the one exception).
 void ssv_answer_batch(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer);
 
-/// The same one scenario at a time, for who has other things to do between: begin, then next num_scenarios times. `next`
-/// answers scenario number answer->wire.num_quotes. @return its status as of `ssv_answer`.
+/// The same one scenario at a time, for who has other things to do between: begin, then next num_scenarios times.
+/// `next` answers scenario number answer->wire.num_quotes. @return its status as of `ssv_answer`.
 void ssv_answer_batch_begin(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer);
 ssv_status_t ssv_answer_batch_next(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer);
 
 /// Refuses each of the scenarios, like `ssv_answer_refuse`.
 void ssv_answer_batch_refuse(const lcm_ssv_scenario_batch_t* question, const char* reason, ssv_batch_answer_t* answer);
 
-/// Decodes a scenario_batch_t that came from outside; its scenarios go to the caller's memory, to which batch->scenarios
-/// points then (the generated decoder would allocate as many as the message claims to have).
-/// @return false if it is none through and through, its count outside 1..SSV_MAX_BATCH included; then *batch is untouched.
+/// Decodes a scenario_batch_t that came from outside; its scenarios go to the caller's memory, to which
+/// batch->scenarios points then (the generated decoder would allocate as many as the message claims to have).
+/// @return false if it is none through and through, its count outside 1..SSV_MAX_BATCH included; then *batch is
+/// untouched.
 bool ssv_scenario_batch_decode(const void* data, size_t size, lcm_ssv_scenario_t scenarios[SSV_MAX_BATCH],
                                lcm_ssv_scenario_batch_t* batch);
 

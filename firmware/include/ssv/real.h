@@ -1,7 +1,7 @@
 /// The scalar of the planner, and every operation on it beyond + and -.
 ///
-/// Sums, differences and comparisons are plain C; products, quotients, roots and transcendental functions are calls, so that
-/// one physics runs in several arithmetics. CMake's SSV_REAL chooses one for everything that is built together:
+/// Sums, differences and comparisons are plain C; products, quotients, roots and transcendental functions are calls, so
+/// that one physics runs in several arithmetics. CMake's SSV_REAL chooses one for everything that is built together:
 ///   double   real_double.h   IEEE 754 binary64, the default
 ///   float    real_float.h    IEEE 754 binary32
 ///   fixed    real_fixed.h    Q31.32 in 64-bit integers: no floating point, the same bits on every machine
@@ -10,20 +10,24 @@
 ///   REAL(literal)                                          a constant, converted when compiled
 ///   real_mul real_div real_abs real_sqrt                   correctly rounded
 ///   real_log1p real_expm1 real_sin real_cos real_tan real_atan2(y, x)
-///   real_scale(a, n), real_exponent(a)                     a 2^n; and the n for which 2^(n-1) <= |a| < 2^n, to scale numbers
-///                                                          by before they lose digits or overflow. The IEEE scalars' own
-///                                                          exponents do that: there it is always 0
+///   real_scale(a, n), real_exponent(a)                     a 2^n; and the n for which 2^(n-1) <= |a| < 2^n, to scale
+///   numbers
+///                                                          by before they lose digits or overflow. The IEEE scalars'
+///                                                          own exponents do that: there it is always 0
 ///   REAL_MAX                                               largest result
-///   REAL_EPSILON, REAL_NOISE                               rounding to reckon with in numbers of about 1: of one operation,
+///   REAL_EPSILON, REAL_NOISE                               rounding to reckon with in numbers of about 1: of one
+///   operation,
 ///                                                          and after some tens that numbers far from 1 took part in
 ///   real_from_int                                          exact for |a| < 2^24
-///   real_from_double real_to_double real_is_finite         the boundary: what comes from or goes to the outside. Rounds to
+///   real_from_double real_to_double real_is_finite         the boundary: what comes from or goes to the outside.
+///   Rounds to
 ///                                                          the nearest; NaN and infinities pass, and are not finite
 ///   real_bits                                              the value's bits, for hashes; both zeros give the same
-///   real_overflows()                                       how many results did not fit so far: compare before and after
+///   real_overflows()                                       how many results did not fit so far: compare before and
+///   after
 /// The IEEE scalars overflow to infinities, which real_is_finite finds; their real_overflows() is always 0.
-/// Of libm the archive takes only what the scalar's header names. Build with -ffp-contract=off: a fused product would make
-/// the same source give different bits.
+/// Of libm the archive takes only what the scalar's header names. Build with -ffp-contract=off: a fused product would
+/// make the same source give different bits.
 #ifndef SSV_REAL_H
 #define SSV_REAL_H
 

@@ -1,11 +1,12 @@
-/// The scalar as a fixed-point number: Q31.32, a 64-bit integer that counts 2^-32 (one ulp here, 2.3e-10); the manual is
-/// ssv/real.h, which includes this. No floating point in the planner's archive, the same bits from every compiler and core.
+/// The scalar as a fixed-point number: Q31.32, a 64-bit integer that counts 2^-32 (one ulp here, 2.3e-10); the manual
+/// is ssv/real.h, which includes this. No floating point in the planner's archive, the same bits from every compiler
+/// and core.
 ///
-/// Overflow is never silent. Every call gives at most REAL_MAX = 2^26 in size; a result that would be larger, or that does
-/// not exist (a quotient by zero, a root or logarithm of a negative number), becomes +-REAL_MAX, or 0 for a root, and counts
-/// in real_overflows(). The 5 bits above REAL_MAX guard plain + and -: no sum of up to 31 results of calls can leave the 64
-/// bits. The count is the archive's only state. It only grows and is never cleared, so that of two planners side by side
-/// neither can hide the other's overflow: the worst that can happen is that both report one.
+/// Overflow is never silent. Every call gives at most REAL_MAX = 2^26 in size; a result that would be larger, or that
+/// does not exist (a quotient by zero, a root or logarithm of a negative number), becomes +-REAL_MAX, or 0 for a root,
+/// and counts in real_overflows(). The 5 bits above REAL_MAX guard plain + and -: no sum of up to 31 results of calls
+/// can leave the 64 bits. The count is the archive's only state. It only grows and is never cleared, so that of two
+/// planners side by side neither can hide the other's overflow: the worst that can happen is that both report one.
 ///
 /// Largest error against the exact result, in ulp; the first three are correctly rounded, ties to even.
 ///   real_mul, real_div, real_sqrt   0.5
@@ -23,7 +24,7 @@ typedef int64_t real_t;
 
 #define REAL_NAME "fixed"
 /// Rounded to the nearest; a constant that does not fit divides by zero, which compilers refuse.
-#define REAL(x) \
+#define REAL(x)                                                                                                        \
     ((real_t)((x) * 4294967296.0 + ((x) * 1.0 < 0 ? -0.5 : 0.5)) / ((x) * 1.0 < 0x1p26 && (x) * 1.0 > -0x1p26))
 /// Largest result of a call.
 #define REAL_MAX ((real_t)1 << 58)
@@ -47,8 +48,8 @@ inline real_t real_abs(real_t a) { return a < 0 ? -a : a; }
 inline real_t real_from_int(int a) { return (real_t)a * ((real_t)1 << 32); }
 inline uint64_t real_bits(real_t a) { return (uint64_t)a; }
 
-/// Three values stand for what is no number: INT64_MIN for NaN, +-INT64_MAX for the infinities. They are for checks at the
-/// boundary only; nothing else may calculate with them.
+/// Three values stand for what is no number: INT64_MIN for NaN, +-INT64_MAX for the infinities. They are for checks at
+/// the boundary only; nothing else may calculate with them.
 inline bool real_is_finite(real_t a) { return a > -INT64_MAX && a < INT64_MAX; }
 
 /// To the nearest, ties away from zero; what is beyond REAL_MAX becomes +-REAL_MAX, without counting as an overflow.

@@ -1,8 +1,8 @@
 /// Three-dimensional kernels: vectors, unit quaternions, poses. All by value, none fails, none allocates.
 ///
-/// Notation (Drake's monogram): p_AB is the position of B's origin from A's, in axes of A unless a last letter says otherwise;
-/// R_AB (here as the unit quaternion q_AB) takes coordinates in B to coordinates in A; X_AB is the pair (p_AB, q_AB).
-/// Neighbouring letters cancel: p_AC = p_AB + R_AB p_BC.
+/// Notation (Drake's monogram): p_AB is the position of B's origin from A's, in axes of A unless a last letter says
+/// otherwise; R_AB (here as the unit quaternion q_AB) takes coordinates in B to coordinates in A; X_AB is the pair
+/// (p_AB, q_AB). Neighbouring letters cancel: p_AC = p_AB + R_AB p_BC.
 #ifndef SSV_VEC3_H
 #define SSV_VEC3_H
 
@@ -58,7 +58,8 @@ inline vec3_t vec3_unit(vec3_t a) {
     return vec3(real_div(a.x, n), real_div(a.y, n), real_div(a.z, n));
 }
 
-/// A unit vector perpendicular to the unit vector a: from the axis that a leans on least, so well conditioned for every a.
+/// A unit vector perpendicular to the unit vector a: from the axis that a leans on least, so well conditioned for every
+/// a.
 inline vec3_t vec3_perpendicular(vec3_t a) {
     const real_t x = real_abs(a.x), y = real_abs(a.y), z = real_abs(a.z);
     const vec3_t e = x <= y && x <= z ? vec3(REAL(1), REAL(0), REAL(0))
@@ -77,9 +78,7 @@ inline quat_t quat_conj(quat_t a) {
     return r;
 }
 
-inline real_t quat_norm(quat_t a) {
-    return real_sqrt(real_sq(a.w) + real_sq(a.x) + real_sq(a.y) + real_sq(a.z));
-}
+inline real_t quat_norm(quat_t a) { return real_sqrt(real_sq(a.w) + real_sq(a.x) + real_sq(a.y) + real_sq(a.z)); }
 
 /// a / |a|; the caller knows that |a| is not zero.
 inline quat_t quat_unit(quat_t a) {
