@@ -1,7 +1,7 @@
 #include "ssv/planner.h"
 
-#include "planner/quote.h"
-#include "planner/timeline.h"
+#include "planner/search/select.h"
+#include "planner/segments.h"
 
 // Solves the move once more and writes its leg and pieces.
 static ssv_outcome_t add_leg(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t* move,

@@ -22,7 +22,7 @@ class Install(unittest.TestCase):
     def test_only_the_core_headers_are_installed(self):
         headers = sorted(str(path.relative_to(self.prefix)) for path in self.prefix.glob("**/*.h"))
         self.assertEqual(headers, [f"include/ssv/{name}.h" for name in
-                                   ("planner", "real", "real_double", "real_fixed", "real_float", "vec3")])
+                                   ("plan", "planner", "real", "real_double", "real_fixed", "real_float", "scenario", "vec3")])
 
     @unittest.skipUnless(os.environ["SSV_BUILD_HOST"] == "ON", "built without the programs")
     def test_installed_programs_start_and_do_not_lean_on_the_build_folder(self):

@@ -8,7 +8,7 @@ import unittest
 from core import ROOT, code_of, in_a_cycle
 
 CORE_API = tuple(f"firmware/include/ssv/{name}.h"
-                 for name in ("planner", "vec3", "real", "real_double", "real_float", "real_fixed"))
+                 for name in ("planner", "plan", "scenario", "vec3", "real", "real_double", "real_float", "real_fixed"))
 ANSWER_API = "firmware/include/ssv/answer.h"
 
 # What each folder may include beside its own files and the C and POSIX headers: folders, public headers, libraries.
@@ -24,7 +24,9 @@ LIBRARIES = {"lcm": r"lcm/", "cyaml": r"cyaml/", "jansson": r"jansson", "mavlink
 INCLUDE_ROOTS = ("firmware/include", "firmware", "sim", "host")
 
 CORE_SYSTEM_HEADERS = {"assert.h", "float.h", "limits.h", "stdatomic.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
-LEAVES = {"alloc", "body", "profile"}
+# The storeys of the core: what the files of each folder may include of the others; those in no folder may include all.
+STOREYS = {"math": set(), "model": {"math"}, "profile": {"math"}, "motion": {"math", "model", "profile"},
+           "search": {"math", "model", "profile", "motion"}}
 NOT_IN_CORE = {
     "heap": r"\b(?:malloc|calloc|realloc|free|alloca)\s*\(",
     "input or output": r"\b(?:\w*printf|\w*scanf|f?puts|putchar|fopen|fwrite|fread|perror)\s*\(|"
@@ -55,6 +57,12 @@ def module_of(path):
     return path.rpartition(".")[0]
 
 
+def storey_of(path):
+    """The folder of a file of the core; "" of those that stand in none, None of all other files."""
+    match = re.fullmatch(r"firmware/planner/(?:(\w+)/)?\w+\.\w+", path)
+    return match and (match[1] or "")
+
+
 def include_breaches(root, path, text, modules):
     """What is wrong with the includes of one file; adds the modules that it includes to modules[its own]."""
     folder = folder_of(path)
@@ -76,9 +84,9 @@ def include_breaches(root, path, text, modules):
             yield f"the core's headers stand by themselves, without {target}"
         if module_of(target) != module_of(path):
             edges.add(module_of(target))
-            names = {pathlib.PurePosixPath(file).stem for file in (path, target)}
-            if folder == "firmware/planner" and names <= LEAVES:
-                yield f"{' and '.join(sorted(names))} must not know one another"
+            storey, below = storey_of(path), storey_of(target)
+            if storey in STOREYS and below not in STOREYS[storey] | {storey, None}:
+                yield f"{storey} must not know {below}"
 
 
 def word_breaches(text):
@@ -97,6 +105,8 @@ def breaches(root):
         if folder_of(path) is None:
             found.append(f"{path}: in a folder without a rule, see MAY_INCLUDE")
             continue
+        if storey_of(path) not in {None, "", *STOREYS}:
+            found.append(f"{path}: in no storey of the core, see STOREYS")
         found += [f"{path}: {breach}" for breach in include_breaches(root, path, text, modules)]
         if folder_of(path) == "firmware/planner":
             found += [f"{path}: {breach}" for breach in word_breaches(text)]
@@ -109,29 +119,34 @@ class Layers(unittest.TestCase):
 
     def test_each_rule_finds_its_planted_breach(self):
         planted = {
-            ("firmware/planner/body.c", '#include "planner/alloc.h"'): "must not know one another",
-            ("firmware/planner/alloc.h", '#include "planner/planned.h"'): "in no folder",
-            ("firmware/planner/leg.c", '#include "ssv/answer.h"'): "must not include",
-            ("firmware/planner/leg.c", '#include "lcm_ssv_plan_t.h"'): "must not include lcmtypes",
-            ("firmware/planner/leg.c", "#include <lcm/lcm.h>"): "must not include lcm",
-            ("firmware/planner/leg.c", "#include <math.h>"): "is not for the core",
-            ("firmware/planner/leg.c", "#include <stdio.h>"): "is not for the core",
-            ("firmware/planner/alloc.h", '#include "planner/leg.h"'): "includes itself",
-            ("firmware/planner/leg.c", "void* p = malloc(3);"): "heap in the core",
-            ("firmware/planner/leg.c", "void f(void) { snprintf(0, 0, \"x\"); }"): "input or output in the core",
-            ("firmware/planner/leg.c", "FILE* f;"): "input or output in the core",
-            ("firmware/planner/leg.c", "long f(void) { return time(0); }"): "operating system in the core",
-            ("firmware/planner/leg.c", "int f(mavlink_message_t* m);"): "middleware in the core",
-            ("firmware/planner/leg.c", "real_t f(real_t x) { return sqrt(x); }"): "libm past real.h",
-            ("firmware/planner/leg.c", "static const double x = 1;"): "a scalar other than real_t",
+            ("firmware/planner/model/body.c", '#include "planner/profile/arc.h"'): "model must not know profile",
+            ("firmware/planner/profile/arc.c", '#include "planner/model/body.h"'): "profile must not know model",
+            ("firmware/planner/math/gauss.h", '#include "planner/model/body.h"'): "math must not know model",
+            ("firmware/planner/motion/path.c", '#include "planner/search/seed.h"'): "motion must not know search",
+            ("firmware/planner/search/seed.c", '#include "planner/segments.h"'): "search must not know",
+            ("firmware/planner/odd/planted.c", ""): "in no storey of the core",
+            ("firmware/planner/model/allocation.h", '#include "planner/planned.h"'): "in no folder",
+            ("firmware/planner/motion/maneuver.c", '#include "ssv/answer.h"'): "must not include",
+            ("firmware/planner/motion/maneuver.c", '#include "lcm_ssv_plan_t.h"'): "must not include lcmtypes",
+            ("firmware/planner/motion/maneuver.c", "#include <lcm/lcm.h>"): "must not include lcm",
+            ("firmware/planner/motion/maneuver.c", "#include <math.h>"): "is not for the core",
+            ("firmware/planner/motion/maneuver.c", "#include <stdio.h>"): "is not for the core",
+            ("firmware/planner/model/allocation.h", '#include "planner/motion/maneuver.h"'): "includes itself",
+            ("firmware/planner/motion/maneuver.c", "void* p = malloc(3);"): "heap in the core",
+            ("firmware/planner/motion/maneuver.c", "void f(void) { snprintf(0, 0, \"x\"); }"): "input or output in the core",
+            ("firmware/planner/motion/maneuver.c", "FILE* f;"): "input or output in the core",
+            ("firmware/planner/motion/maneuver.c", "long f(void) { return time(0); }"): "operating system in the core",
+            ("firmware/planner/motion/maneuver.c", "int f(mavlink_message_t* m);"): "middleware in the core",
+            ("firmware/planner/motion/maneuver.c", "real_t f(real_t x) { return sqrt(x); }"): "libm past real.h",
+            ("firmware/planner/motion/maneuver.c", "static const double x = 1;"): "a scalar other than real_t",
             ("firmware/include/ssv/vec3.h", "#include <math.h>"): "for the scalars alone",
             ("firmware/include/ssv/planner.h", '#include "lcm_ssv_plan_t.h"'): "stand by themselves",
-            ("firmware/daemon/answer.c", '#include "planner/leg.h"'): "must not include firmware/planner/leg.h",
-            ("host/planted.c", '#include "planner/leg.h"'): "must not include firmware/planner/leg.h",
+            ("firmware/daemon/answer.c", '#include "planner/motion/maneuver.h"'): "must not include firmware/planner/motion/maneuver.h",
+            ("host/planted.c", '#include "planner/motion/maneuver.h"'): "must not include firmware/planner/motion/maneuver.h",
             ("host/planted.c", '#include "rigid_body.h"'): "must not include sim/rigid_body.h",
             ("firmware/planted.c", ""): "in a folder without a rule",
             ("sim/planted.c", '#include "ssv/vec3.h"'): "must not include firmware/include/ssv/vec3.h",
-            ("sim/planted.c", '#include "planner/leg.h"'): "must not include firmware/planner/leg.h",
+            ("sim/planted.c", '#include "planner/motion/maneuver.h"'): "must not include firmware/planner/motion/maneuver.h",
         }
         for (path, line), expected in planted.items():
             with self.subTest(path=path, line=line), tempfile.TemporaryDirectory() as scratch:
@@ -141,6 +156,7 @@ class Layers(unittest.TestCase):
                         copy = tree / file.relative_to(ROOT)
                         copy.parent.mkdir(parents=True, exist_ok=True)
                         shutil.copy(file, copy)
+                (tree / path).parent.mkdir(exist_ok=True)
                 with open(tree / path, "a") as file:
                     file.write("\n" + line + "\n")
                 self.assertIn(expected, "\n".join(breaches(tree)))

@@ -16,7 +16,7 @@
 
 #include "euler.h"
 #include "figures.h"
-#include "planner/leg.h"
+#include "planner/motion/maneuver.h"
 #include "scenario_file.h"
 #include "ssv/answer.h"
 #include "stack.h"

@@ -5,7 +5,7 @@
 #ifndef BENCH_EULER_H
 #define BENCH_EULER_H
 
-#include "planner/profile.h"
+#include "planner/profile/profile.h"
 
 typedef struct {
     double time_s, impulse_Ns;

@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "planner/leg.h"
+#include "planner/motion/maneuver.h"
 #include "shipped.h"
 #include "tasks.h"
 

@@ -2,8 +2,8 @@
 // former.
 #include <stdio.h>
 
-#include "planner/estimate.h"
-#include "planner/leg.h"
+#include "planner/motion/maneuver.h"
+#include "planner/profile/estimate.h"
 #include "tasks.h"
 #include "unity.h"
 

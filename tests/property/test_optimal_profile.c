@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "planner/profile.h"
+#include "planner/profile/profile.h"
 #include "sweep.h"
 #include "tasks.h"
 #include "unity.h"

@@ -2,7 +2,7 @@
 // every breakpoint, and the totals must be the sums over small steps of time.
 #include <stdio.h>
 
-#include "planner/profile.h"
+#include "planner/profile/profile.h"
 #include "tasks.h"
 #include "unity.h"
 

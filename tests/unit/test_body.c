@@ -1,6 +1,6 @@
 // Demands and thrust coefficients of moving bodies: the model's check values, closed forms, momentum.
-#include "planner/alloc.h"
-#include "planner/leg.h"
+#include "planner/model/allocation.h"
+#include "planner/motion/maneuver.h"
 #include "tasks.h"
 #include "unity.h"
 

@@ -3,11 +3,11 @@
 #include <math.h>
 #include <string.h>
 
-#include "planner/law.h"
-#include "planner/leg.h"
-#include "planner/profile.h"
-#include "planner/ramp.h"
-#include "planner/timeline.h"
+#include "planner/motion/maneuver.h"
+#include "planner/profile/arc.h"
+#include "planner/profile/profile.h"
+#include "planner/profile/ramp.h"
+#include "planner/segments.h"
 #include "tasks.h"
 #include "unity.h"
 

@@ -1,5 +1,5 @@
 // Where the vehicle may take hold, and the turns that bring one direction onto another.
-#include "planner/grasp.h"
+#include "planner/model/grasp.h"
 #include "tasks.h"
 #include "unity.h"
 

@@ -1,5 +1,5 @@
 // Moves: the pose along a twist, and the choice between the two ramps.
-#include "planner/leg.h"
+#include "planner/motion/maneuver.h"
 #include "tasks.h"
 #include "unity.h"
 

@@ -1,5 +1,5 @@
 // Profiles against textbook solutions of one-dimensional motion. Random legs against brute force: property.profile.
-#include "planner/profile.h"
+#include "planner/profile/profile.h"
 #include "unity.h"
 
 #define MASS 76.2

@@ -1,7 +1,7 @@
 // The timeline against the exact thrusts of random profiles.
 #include <stdlib.h>
 
-#include "planner/timeline.h"
+#include "planner/segments.h"
 #include "tasks.h"
 #include "unity.h"
 

@@ -1,0 +1,146 @@
+/// The answer to a question: candidates, price, plan with its thruster timeline, front, and the plan at one instant.
+/// Types alone; the functions are in ssv/planner.h. Frames and units as in ssv/scenario.h.
+#ifndef SSV_PLAN_H
+#define SSV_PLAN_H
+
+#include "ssv/scenario.h"
+
+#define SSV_MAX_CANDIDATES (SSV_NUM_CONTACTS * SSV_MAX_ATTACH_HEIGHTS)
+#define SSV_MAX_LEGS 8
+#define SSV_MAX_SEGMENTS 128
+#define SSV_MAX_EVENTS 2
+/// Pieces of all legs together; one piece is one law dv/dt = a0 + a1 v + a2 v^2 of the speed along a leg.
+#define SSV_MAX_PIECES 64
+/// Most points of a front.
+#define SSV_MAX_FRONT 24
+
+/// Longest plan; a candidate that takes longer is infeasible.
+#define SSV_DURATION_MAX_S REAL(20000)
+/// The timeline's thrust stays within this fraction of force_max_N of the exact thrust.
+#define SSV_TIMELINE_TOLERANCE REAL(0.005)
+/// Speeds at which a drag-only ramp ends and the short full reverse begins (paper Table 3's cut-offs).
+#define SSV_CUTOFF_TRANSLATE_M_S REAL(0.001)
+#define SSV_CUTOFF_TURN_RAD_S REAL(0.01)
+/// Ring angles tried when every side of the beam is equally near (paper Eq. 4 has no answer there).
+#define SSV_NUM_RING_ANGLES 16
+/// Turning axes tried when the goal is half a turn away (paper Eq. 5 has no answer there).
+#define SSV_NUM_TURN_AXES 16
+
+/// Why a candidate is not feasible.
+typedef enum {
+    SSV_FEASIBLE = 0,
+    SSV_TOO_LONG,         ///< would take longer than SSV_DURATION_MAX_S
+    SSV_NO_AUTHORITY,     ///< the thrusters cannot move the body along a leg
+    SSV_TOO_MANY_PIECES,  ///< the motion has more pieces than SSV_MAX_PIECES
+    SSV_TOO_MANY_SEGMENTS ///< the timeline has more segments than SSV_MAX_SEGMENTS
+} ssv_outcome_t;
+
+typedef enum { SSV_TRANSIT = 0, SSV_TRANSFER = 1 } ssv_phase_t; ///< vehicle alone; vehicle with beam
+typedef enum {
+    SSV_TRANSLATE = 0,
+    SSV_TURN = 1,
+    SSV_SCREW = 2
+} ssv_leg_kind_t; ///< straight; about an axis; both at once
+typedef enum {
+    SSV_FULL_REVERSE = 0,
+    SSV_DRAG_ONLY = 1,
+    SSV_OPTIMAL = 2
+} ssv_ramp_t; ///< how a leg slows (paper Figs. 6, 7)
+typedef enum { SSV_MATE = 0, SSV_DOCK = 1 } ssv_event_kind_t;
+
+/// A stretch of a leg in which the speed v along it follows dv/dt = law[0] + law[1] v + law[2] v^2.
+typedef struct {
+    real_t t_s;            ///< [s] start, since the leg's start
+    real_t duration_s;     ///< [s] > 0
+    real_t s;              ///< [m or rad] distance along the leg at the start
+    real_t v_start, v_end; ///< [m/s or rad/s]
+    real_t law[3];
+} ssv_piece_t;
+
+/// One rest-to-rest motion along a constant body twist. Speeds and distances along it are in rad for SSV_TURN, else in
+/// m along the path of S.
+typedef struct {
+    ssv_phase_t phase;
+    ssv_leg_kind_t kind;
+    ssv_ramp_t ramp;
+    real_t t_start_s;  ///< [s] since plan start
+    real_t duration_s; ///< [s]
+    real_t impulse_Ns; ///< [N s] integral of the sum of absolute thrusts
+    real_t length;     ///< [m or rad]
+    real_t peak_speed; ///< [m/s or rad/s]
+    vec3_t v_S, w_S;   ///< twist of S in axes of S per unit of speed: |w_S| = 1 for SSV_TURN, else |v_S| = 1
+    pose_t X_IS_start, X_IS_end;
+    int first_piece, num_pieces; ///< into plan.piece
+} ssv_leg_t;
+
+/// A stretch of the thruster timeline; each thrust runs on a straight line from its start to its end value, with the
+/// impulse and the first moment of what the motion asks for.
+typedef struct {
+    real_t t_s;                                                      ///< [s] start, since plan start
+    real_t duration_s;                                               ///< [s] > 0
+    real_t u_start_N[SSV_NUM_THRUSTERS], u_end_N[SSV_NUM_THRUSTERS]; ///< [N] |u| <= force_max_N
+    int leg;                                                         ///< index into plan.leg
+} ssv_segment_t;
+
+typedef struct {
+    real_t t_s; ///< [s] since plan start
+    ssv_event_kind_t kind;
+} ssv_event_t;
+
+/// One (contact, height) at its best ring angle.
+typedef struct {
+    int contact;            ///< 1 or 2
+    real_t attach_height_m; ///< [m]
+    real_t ring_angle_rad;  ///< [rad]
+    ssv_outcome_t outcome;  ///< the three prices are 0 unless SSV_FEASIBLE
+    real_t time_s, impulse_Ns, cost;
+} ssv_candidate_t;
+
+/// What a task costs.
+typedef struct {
+    ssv_status_t status; ///< SSV_OK, SSV_INFEASIBLE or SSV_NUMERIC_OVERFLOW
+    uint64_t scenario_hash;
+    real_t cost;            ///< [-] J = W1 time_s + W2 impulse_Ns
+    real_t lower_bound;     ///< [-] no plan costs less; see ssv_lower_bound
+    real_t time_s;          ///< [s] start to docked
+    real_t impulse_Ns;      ///< [N s]
+    ssv_candidate_t choice; ///< the candidate that costs least
+    int num_priced;         ///< ways to fly that were priced: grasps, turning axes, travel attitudes
+    int num_candidates;     ///< 0 unless asked for (scenario.want_candidates), or SSV_INFEASIBLE
+    ssv_candidate_t candidate[SSV_MAX_CANDIDATES];
+} ssv_quote_t;
+
+/// The answer. Unless the quote's status is SSV_OK only the quote is meaningful, the rest is zero.
+typedef struct {
+    ssv_quote_t quote;
+    uint64_t plan_hash;
+    int num_legs;
+    ssv_leg_t leg[SSV_MAX_LEGS];
+    int num_pieces;
+    ssv_piece_t piece[SSV_MAX_PIECES];
+    int num_segments;
+    ssv_segment_t segment[SSV_MAX_SEGMENTS];
+    int num_events;
+    ssv_event_t event[SSV_MAX_EVENTS];
+    pose_t X_SB; ///< beam in the vehicle's frame, once mated
+    pose_t X_IS_final, X_IB_final;
+} ssv_plan_t;
+
+/// What time and impulse can be traded for: no point is better than another in both. In order of growing time.
+typedef struct {
+    ssv_status_t status; ///< SSV_OK, SSV_INFEASIBLE or SSV_NUMERIC_OVERFLOW
+    uint64_t scenario_hash;
+    int num_points;                       ///< 0 unless SSV_OK
+    ssv_candidate_t point[SSV_MAX_FRONT]; ///< cost is that with the scenario's weights
+} ssv_front_t;
+
+/// The plan at one instant.
+typedef struct {
+    real_t u_N[SSV_NUM_THRUSTERS];   ///< [N] thrusts of the timeline
+    pose_t X_IS;                     ///< vehicle pose
+    vec3_t v_IS_S_m_s, w_IS_S_rad_s; ///< velocity and rate of the vehicle, in axes of S
+    int leg;                         ///< leg under way
+    bool mated;                      ///< whether the vehicle holds the beam, which is then at X_IS X_SB
+} ssv_sample_t;
+
+#endif

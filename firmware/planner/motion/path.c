@@ -1,0 +1,97 @@
+#include "planner/motion/path.h"
+
+#include "planner/profile/estimate.h"
+
+static void add_price(ssv_price_t* sum, const ssv_price_t* price) {
+    if (sum->outcome == SSV_FEASIBLE) sum->outcome = price->outcome;
+    sum->time_s += price->time_s;
+    sum->impulse_Ns += price->impulse_Ns;
+    sum->cost += price->cost;
+}
+
+ssv_assembly_t ssv_vehicle_alone(const ssv_problem_t* problem) {
+    return (ssv_assembly_t){&problem->scenario.vehicle, NULL, {{REAL(0), REAL(0), REAL(0)}, quat_identity()}};
+}
+
+ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, real_t height_m, quat_t q_IS) {
+    const ssv_scenario_t* scenario = &problem->scenario;
+    const quat_t q_SB = quat_unit(quat_mul(quat_conj(q_IS), scenario->X_IB.q));
+    const vec3_t ahead = vec3(scenario->standoff_m, REAL(0), REAL(0));
+    const vec3_t p_SB_m = vec3_sub(ahead, quat_apply(q_SB, vec3(REAL(0), REAL(0), height_m)));
+    return (ssv_assembly_t){&scenario->vehicle, &scenario->beam, {p_SB_m, q_SB}};
+}
+
+static bool same(vec3_t a, vec3_t b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+static bool same_move(const ssv_move_t* a, const ssv_move_t* b) {
+    return a->kind == b->kind && a->length == b->length && same(a->twist.v, b->twist.v) && same(a->twist.w, b->twist.w);
+}
+
+void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_flight_t* known,
+                      ssv_flight_t* flight) {
+    flight->price = (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
+    for (int k = 0; k < flight->num_moves; k++) {
+        const ssv_move_t* move = &flight->move[k];
+        if (known != NULL && k < known->num_moves && same_move(move, &known->move[k])) {
+            flight->move_price[k] = known->move_price[k];
+        } else {
+            ssv_thrusts_t thrusts;
+            ssv_ramp_t ramp;
+            ssv_move_thrusts(problem, assembly, move->twist, &thrusts);
+            flight->move_price[k] = ssv_move_price(problem, move, &thrusts, &ramp);
+        }
+        add_price(&flight->price, &flight->move_price[k]);
+    }
+}
+
+bool ssv_moves_estimate(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t move[],
+                        int num_moves, real_t closeness, real_t* price) {
+    const ssv_scenario_t* s = &problem->scenario;
+    const real_t weight_time = ssv_leg_weight_time(s);
+    *price = REAL(0);
+    for (int k = 0; k < num_moves; k++) {
+        if (!(move[k].length > REAL(0))) continue;
+        ssv_thrusts_t thrusts;
+        real_t cost, peak_speed;
+        ssv_move_thrusts(problem, assembly, move[k].twist, &thrusts);
+        if (!ssv_profile_estimate(&thrusts, weight_time, s->weight_impulse_per_Ns, move[k].length, closeness, &cost,
+                                  &peak_speed)) {
+            return false;
+        }
+        *price += cost;
+    }
+    return true;
+}
+
+ssv_price_t ssv_chain_price(const ssv_flight_t* transit, const ssv_flight_t* transfer) {
+    const ssv_flight_t* flight[2] = {transit, transfer};
+    ssv_price_t price = {SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
+    for (int phase = 0; phase < 2; phase++) {
+        for (int k = 0; k < flight[phase]->num_moves; k++) add_price(&price, &flight[phase]->move_price[k]);
+    }
+    if (price.outcome == SSV_FEASIBLE && price.time_s > SSV_DURATION_MAX_S) price.outcome = SSV_TOO_LONG;
+    return price;
+}
+
+ssv_candidate_t ssv_candidate_of(const ssv_grasp_t* grasp, const ssv_price_t* price) {
+    ssv_candidate_t candidate = {grasp->contact, grasp->height_m, grasp->ring_angle_rad, price->outcome, REAL(0),
+                                 REAL(0),        REAL(0)};
+    if (price->outcome == SSV_FEASIBLE) {
+        candidate.time_s = price->time_s;
+        candidate.impulse_Ns = price->impulse_Ns;
+        candidate.cost = price->cost;
+    }
+    return candidate;
+}
+
+void ssv_chain_join(const ssv_grasp_t* grasp, const ssv_flight_t* transit, const ssv_flight_t* transfer, pose_t X_SB,
+                    ssv_chain_t* chain) {
+    const ssv_flight_t* flight[2] = {transit, transfer};
+    chain->grasp = *grasp;
+    chain->X_SB = X_SB;
+    chain->num_moves = 0;
+    chain->price = ssv_chain_price(transit, transfer);
+    for (int phase = 0; phase < 2; phase++) {
+        for (int k = 0; k < flight[phase]->num_moves; k++) chain->move[chain->num_moves++] = flight[phase]->move[k];
+    }
+}

@@ -1,0 +1,141 @@
+#include "planner/segments.h"
+
+#define N SSV_NUM_THRUSTERS
+#define MAX_TRIALS 24
+// Gauss-Legendre on [0, 1].
+#define NUM_NODES 4
+// Errors are looked at in those places and at both ends only; between them they may be a tenth larger.
+#define NUM_CHECKS (NUM_NODES + 2)
+#define TOLERANCE (9 * (SSV_TIMELINE_TOLERANCE / 10))
+// Errors beyond this are too large in any case, and what they drift in the longest plan is too large for fixed point.
+#define ERROR_MAX REAL(0.1)
+// Lengths aim at so much of the error that is allowed: most then pass at once.
+#define AIM REAL(0.9)
+
+static const real_t node[NUM_NODES] = {REAL(0.069431844202973712), REAL(0.33000947820757187), REAL(0.66999052179242813),
+                                       REAL(0.93056815579702629)};
+static const real_t weight[NUM_NODES] = {REAL(0.17392742256872693), REAL(0.32607257743127307),
+                                         REAL(0.32607257743127307), REAL(0.17392742256872693)};
+
+// The straight line with the impulse and the first moment of a thrust, given where it is looked at, so that neither
+// speed nor distance is lost; turned where it would leave the thruster's limits.
+static void fit(const real_t u[NUM_CHECKS], real_t limit, real_t* u_start, real_t* u_end) {
+    // From the thrust at the start, so that one that stays the same is met to the last bit, however long it does.
+    const real_t start = u[NUM_NODES];
+    real_t mean = start, lean = REAL(0);
+    for (int k = 0; k < NUM_NODES; k++) {
+        const real_t share = real_mul(weight[k], u[k] - start);
+        mean += share;
+        lean += real_mul(node[k] - REAL(0.5), share);
+    }
+    mean = real_max(-limit, real_min(limit, mean));
+    const real_t room = limit - real_abs(mean), swing = real_max(-room, real_min(room, real_mul(REAL(6), lean)));
+    *u_start = mean - swing;
+    *u_end = mean + swing;
+}
+
+// Speed, thrusts and how they bend, along a piece.
+typedef struct {
+    const ssv_piece_t* piece;
+    real_t thrust[N][3]; // as quadratics in v
+    real_t force_max_N;
+    int unit; // of time, for how they bend: 2^unit s, shorter where the piece is short
+} track_t;
+
+static track_t track_of(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece) {
+    const int unit = real_exponent(piece->duration_s);
+    track_t track = {.piece = piece, .force_max_N = thrusts->force_max_N, .unit = unit < 0 ? unit : 0};
+    for (int i = 0; i < N; i++) ssv_piece_thrust(thrusts, piece, i, track.thrust[i]);
+    return track;
+}
+
+static bool is_constant(const real_t c[3]) { return c[1] == REAL(0) && c[2] == REAL(0); }
+
+// The longest stretch, up to h, whose lines err no more than allowed if all of it bent as the thrusts do at time t: the
+// error of a line is a twelfth of the second derivative times the square of the length.
+static real_t stretch_at(const track_t* track, real_t t, real_t h, real_t drift_max_s2) {
+    const real_t* law = track->piece->law;
+    const real_t v = ssv_piece_speed(track->piece, t);
+    const real_t slope = real_scale(law[1] + real_mul(REAL(2), real_mul(law[2], v)), track->unit);
+    const real_t accel = real_scale(ssv_quadratic_at(law, v), track->unit), jerk = real_mul(accel, slope);
+    const real_t squared = real_mul(REAL(2), real_sq(accel) + real_mul(v, jerk));
+    real_t most = REAL(0);
+    for (int i = 0; i < N; i++) {
+        const real_t* c = track->thrust[i];
+        if (!is_constant(c)) most = real_max(most, real_abs(real_mul(c[1], jerk) + real_mul(c[2], squared)));
+    }
+    const real_t bend = real_div(most, real_mul(REAL(12), track->force_max_N));
+    if (!(bend > REAL(0))) return h;
+    const real_t units = real_min(real_scale(h, -track->unit), real_sqrt(real_div(real_mul(AIM, TOLERANCE), bend)));
+    h = real_scale(units, track->unit);
+    const real_t drift = real_mul(real_mul(bend, real_sq(units)), real_sq(h)), most_drift = real_mul(AIM, drift_max_s2);
+    return drift > most_drift ? real_mul(h, real_sqrt(real_sqrt(real_div(most_drift, drift)))) : h;
+}
+
+// How long the next segment may be, about: judged at its start, then at its middle.
+static real_t next_length(const track_t* track, real_t t, real_t drift_max_s2) {
+    const real_t left = track->piece->duration_s - t, h = stretch_at(track, t, left, drift_max_s2);
+    return stretch_at(track, t + real_mul(REAL(0.5), h), left, drift_max_s2);
+}
+
+int ssv_timeline_count(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t drift_max_s2) {
+    const track_t track = track_of(thrusts, piece);
+    int num = 0;
+    real_t t = REAL(0);
+    for (; num < SSV_MAX_SEGMENTS && t < piece->duration_s; num++) t += next_length(&track, t, drift_max_s2);
+    return num;
+}
+
+// Fills the segment's thrusts for a stretch of the piece; returns the largest error over force_max.
+static real_t fit_all(const track_t* track, real_t t, real_t h, ssv_segment_t* segment) {
+    real_t at[NUM_CHECKS], v[NUM_CHECKS], worst = REAL(0);
+    for (int k = 0; k < NUM_CHECKS; k++) {
+        at[k] = k < NUM_NODES ? node[k] : real_from_int(k - NUM_NODES);
+        v[k] = ssv_piece_speed(track->piece, t + real_mul(h, at[k]));
+    }
+    for (int i = 0; i < N; i++) {
+        const real_t* c = track->thrust[i];
+        if (is_constant(c)) {
+            segment->u_start_N[i] = segment->u_end_N[i] =
+                real_max(-track->force_max_N, real_min(track->force_max_N, c[0]));
+            continue;
+        }
+        real_t u[NUM_CHECKS];
+        for (int k = 0; k < NUM_CHECKS; k++) u[k] = ssv_quadratic_at(c, v[k]);
+        fit(u, track->force_max_N, &segment->u_start_N[i], &segment->u_end_N[i]);
+        const real_t rise = segment->u_end_N[i] - segment->u_start_N[i];
+        for (int k = 0; k < NUM_CHECKS; k++) {
+            worst = real_max(worst, real_abs(u[k] - segment->u_start_N[i] - real_mul(at[k], rise)));
+        }
+    }
+    return real_div(worst, track->force_max_N);
+}
+
+ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t t_s, int leg,
+                                  real_t drift_max_s2, ssv_plan_t* plan) {
+    const track_t track = track_of(thrusts, piece);
+    real_t t = REAL(0);
+    while (t < piece->duration_s) {
+        if (plan->num_segments == SSV_MAX_SEGMENTS) return SSV_TOO_MANY_SEGMENTS;
+        ssv_segment_t* segment = &plan->segment[plan->num_segments++];
+        const real_t left = piece->duration_s - t;
+        real_t h = next_length(&track, t, drift_max_s2);
+        bool fits = false;
+        for (int n = 0; n < MAX_TRIALS; n++) {
+            const real_t error = fit_all(&track, t, h, segment);
+            const real_t drift = real_mul(real_mul(real_min(error, ERROR_MAX), h), h);
+            fits = error <= TOLERANCE && drift <= drift_max_s2;
+            if (fits) break;
+            // The error of a line grows with the square of its length, the drift with the fourth power.
+            const real_t shrink = real_sqrt(real_min(real_div(TOLERANCE, real_max(TOLERANCE, error)),
+                                                     real_sqrt(real_div(drift_max_s2, real_max(drift_max_s2, drift)))));
+            h = real_mul(h, real_max(REAL(0.1), real_mul(REAL(0.95), shrink)));
+        }
+        if (!fits) return SSV_TOO_MANY_SEGMENTS;
+        segment->t_s = t_s + t;
+        segment->duration_s = h;
+        segment->leg = leg;
+        t = h < left ? t + h : piece->duration_s;
+    }
+    return SSV_FEASIBLE;
+}
