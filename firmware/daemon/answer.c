@@ -204,17 +204,17 @@ static ssv_status_t check(const lcm_ssv_scenario_t* question, int64_t epoch_us, 
     return checked;
 }
 
-static void front_to_wire(ssv_problem_t* problem, lcm_ssv_quote_t* wire) {
+static void front_to_wire(const ssv_problem_t* problem, ssv_work_t* work, lcm_ssv_quote_t* wire) {
     ssv_front_t front;
-    ssv_front(problem, &front);
+    ssv_front(problem, work, &front);
     wire->num_front = front.num_points;
     for (int i = 0; i < front.num_points; i++) {
         wire->front[i] = candidate_to_wire(&front.point[i]);
     }
 }
 
-/// The core's quote in words of the wire, with the front if that is asked for.
-static void quote_to_wire(ssv_problem_t* problem, const ssv_quote_t* quote, bool want_front, lcm_ssv_quote_t* wire) {
+/// The core's quote in words of the wire.
+static void quote_to_wire(const ssv_quote_t* quote, lcm_ssv_quote_t* wire) {
     wire->scenario_hash = (int64_t)quote->scenario_hash;
     wire->num_candidates = quote->num_candidates;
     for (int i = 0; i < quote->num_candidates; i++) {
@@ -237,9 +237,6 @@ static void quote_to_wire(ssv_problem_t* problem, const ssv_quote_t* quote, bool
     wire->choice.attach_height_m = real_to_double(quote->choice.attach_height_m);
     wire->choice.ring_angle_rad = real_to_double(quote->choice.ring_angle_rad);
     wire->choice.candidates = quote->num_priced;
-    if (want_front) {
-        front_to_wire(problem, wire);
-    }
 }
 
 static void motion_to_wire(const ssv_plan_t* plan, lcm_ssv_plan_t* wire) {
@@ -276,14 +273,18 @@ void ssv_answer_refuse(const lcm_ssv_scenario_t* question, const char* reason, s
 
 ssv_status_t ssv_answer(const lcm_ssv_scenario_t* question, ssv_answer_t* answer) {
     ssv_problem_t problem;
+    ssv_work_t work;
     answer_begin(question, answer);
     const ssv_status_t checked = check(question, question->epoch_us, answer->parts.reason, &problem);
     if (checked != SSV_OK) {
         return checked;
     }
-    const ssv_status_t planned = ssv_plan(&problem, &answer->plan);
-    quote_to_wire(&problem, &answer->plan.quote, question->options.want_front != 0, &answer->wire.quote);
+    const ssv_status_t planned = ssv_plan(&problem, &work, &answer->plan);
+    quote_to_wire(&answer->plan.quote, &answer->wire.quote);
     if (planned == SSV_OK) {
+        if (question->options.want_front != 0) {
+            front_to_wire(&problem, &work, &answer->wire.quote);
+        }
         motion_to_wire(&answer->plan, &answer->wire);
     }
     return planned;
@@ -311,9 +312,13 @@ ssv_status_t ssv_answer_batch_next(const lcm_ssv_scenario_batch_t* question, ssv
     if (checked != SSV_OK) {
         return checked;
     }
+    ssv_work_t work;
     ssv_quote_t quote;
-    const ssv_status_t priced = ssv_quote(&problem, &quote);
-    quote_to_wire(&problem, &quote, scenario->options.want_front != 0, &answer->quotes[i]);
+    const ssv_status_t priced = ssv_quote(&problem, &work, &quote);
+    quote_to_wire(&quote, &answer->quotes[i]);
+    if (priced == SSV_OK && scenario->options.want_front != 0) {
+        front_to_wire(&problem, &work, &answer->quotes[i]);
+    }
     return priced;
 }
 

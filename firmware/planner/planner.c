@@ -4,13 +4,13 @@
 #include "planner/segments.h"
 
 // Solves the move once more and writes its leg and pieces.
-static ssv_outcome_t add_leg(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t* move,
+static ssv_outcome_t add_leg(const ssv_question_t* question, const ssv_assembly_t* assembly, const ssv_move_t* move,
                              pose_t X_IS, ssv_plan_t* plan) {
     ssv_thrusts_t thrusts;
     ssv_profile_t profile;
     ssv_ramp_t ramp;
-    ssv_move_thrusts(problem, assembly, move->twist, &thrusts);
-    const ssv_price_t price = ssv_move_solve(problem, move, &thrusts, &profile, &ramp);
+    ssv_move_thrusts(question->problem, assembly, move->twist, &thrusts);
+    const ssv_price_t price = ssv_move_solve(question, move, &thrusts, &profile, &ramp);
     if (price.outcome != SSV_FEASIBLE) return price.outcome;
     if (plan->num_pieces + profile.num_pieces > SSV_MAX_PIECES) return SSV_TOO_MANY_PIECES;
     plan->leg[plan->num_legs++] = (ssv_leg_t){.phase = move->phase,
@@ -44,16 +44,16 @@ static ssv_assembly_t assembly_in(const ssv_problem_t* problem, ssv_phase_t phas
 }
 
 // Writes the motion of a chain: legs, pieces, events, final poses.
-static ssv_outcome_t write_motion(const ssv_problem_t* problem, const ssv_chain_t* chain, ssv_plan_t* plan) {
-    pose_t X_IS = problem->scenario.X_IS;
+static ssv_outcome_t write_motion(const ssv_question_t* question, const ssv_chain_t* chain, ssv_plan_t* plan) {
+    pose_t X_IS = question->problem->scenario.X_IS;
     plan->quote.time_s = plan->quote.impulse_Ns = plan->quote.cost = REAL(0);
     plan->num_legs = plan->num_pieces = plan->num_events = 0;
     for (int k = 0; k < chain->num_moves; k++) {
         const ssv_move_t* move = &chain->move[k];
         if (move->phase == SSV_TRANSFER && plan->num_events == 0) add_event(plan, SSV_MATE);
         if (!(move->length > REAL(0))) continue;
-        const ssv_assembly_t assembly = assembly_in(problem, move->phase, chain->X_SB);
-        const ssv_outcome_t outcome = add_leg(problem, &assembly, move, X_IS, plan);
+        const ssv_assembly_t assembly = assembly_in(question->problem, move->phase, chain->X_SB);
+        const ssv_outcome_t outcome = add_leg(question, &assembly, move, X_IS, plan);
         if (outcome != SSV_FEASIBLE) return outcome;
         X_IS = plan->leg[plan->num_legs - 1].X_IS_end;
     }
@@ -108,48 +108,48 @@ static ssv_outcome_t write_timeline(const ssv_problem_t* problem, real_t drift_m
 #define MAX_COARSER 8
 #define SEGMENTS_WANTED (SSV_MAX_SEGMENTS - SSV_MAX_SEGMENTS / 10)
 
-SSV_OWN_FRAME static ssv_outcome_t write_plan(const ssv_problem_t* problem, const ssv_chain_t* chain,
+SSV_OWN_FRAME static ssv_outcome_t write_plan(const ssv_question_t* question, const ssv_chain_t* chain,
                                               ssv_plan_t* plan) {
-    ssv_outcome_t outcome = write_motion(problem, chain, plan);
+    ssv_outcome_t outcome = write_motion(question, chain, plan);
     if (outcome != SSV_FEASIBLE) return outcome;
     real_t drift_s2 = DRIFT_S2;
     for (int n = 0, num = SSV_MAX_SEGMENTS; n < MAX_COUNTS && num > SEGMENTS_WANTED; n++) {
-        num = count_segments(problem, plan, drift_s2);
+        num = count_segments(question->problem, plan, drift_s2);
         const real_t fraction = real_sq(real_sq(real_div(real_from_int(num), real_from_int(SEGMENTS_WANTED))));
         drift_s2 = real_max(DRIFT_LEAST_S2, real_mul(drift_s2, real_min(MOST_COARSER, fraction)));
     }
-    outcome = write_timeline(problem, drift_s2, plan);
+    outcome = write_timeline(question->problem, drift_s2, plan);
     for (int n = 0; n < MAX_COARSER && outcome == SSV_TOO_MANY_SEGMENTS; n++) {
         drift_s2 = real_mul(REAL(2), drift_s2);
-        outcome = write_timeline(problem, drift_s2, plan);
+        outcome = write_timeline(question->problem, drift_s2, plan);
     }
     return outcome;
 }
 
 // The paper's method, candidate by candidate, until one fits the plan's memory. @return whether one does; then *chain
 // is it.
-SSV_OWN_FRAME static bool plan_by_paper(ssv_problem_t* problem, ssv_chain_t* chain, ssv_plan_t* plan) {
-    const ssv_method_t method = problem->scenario.method;
-    problem->scenario.method = SSV_METHOD_PAPER;
-    bool found = ssv_choose_paper(problem, &plan->quote, chain);
+SSV_OWN_FRAME static bool plan_by_paper(const ssv_question_t* question, ssv_chain_t* chain, ssv_plan_t* plan) {
+    ssv_question_t by_paper = *question;
+    by_paper.method = SSV_METHOD_PAPER;
+    bool found = ssv_choose(&by_paper, NULL, &plan->quote, chain);
     for (int n = 0; n < SSV_MAX_CANDIDATES && found; n++) {
-        const ssv_outcome_t outcome = write_plan(problem, chain, plan);
+        const ssv_outcome_t outcome = write_plan(&by_paper, chain, plan);
         if (outcome == SSV_FEASIBLE) break;
-        found = ssv_choose_another(problem, outcome, &plan->quote, chain);
+        found = ssv_choose_another(&by_paper, outcome, &plan->quote, chain);
     }
-    problem->scenario.method = method;
     return found;
 }
 
-ssv_status_t ssv_plan(ssv_problem_t* problem, ssv_plan_t* plan) {
+ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_work_t* work, ssv_plan_t* plan) {
+    const ssv_question_t question = ssv_question_of(problem);
     const uint32_t overflows = real_overflows();
     ssv_chain_t chain;
     memset(plan, 0, sizeof *plan);
-    bool found = ssv_choose(problem, &plan->quote, &chain);
+    bool found = ssv_choose(&question, work, &plan->quote, &chain);
     // What is chosen may fail to fit the plan's memory.
-    if (found && write_plan(problem, &chain, plan) != SSV_FEASIBLE) found = plan_by_paper(problem, &chain, plan);
-    if (found) ssv_quote_settle(problem, &chain, &plan->quote);
-    if (ssv_quote_conclude(problem, overflows, &plan->quote) == SSV_OK) {
+    if (found && write_plan(&question, &chain, plan) != SSV_FEASIBLE) found = plan_by_paper(&question, &chain, plan);
+    if (found) ssv_quote_settle(&question, &chain, &plan->quote);
+    if (ssv_quote_conclude(&question, overflows, &plan->quote) == SSV_OK) {
         plan->plan_hash = ssv_plan_hash(plan);
     } else {
         memset((char*)plan + sizeof plan->quote, 0, sizeof *plan - sizeof plan->quote);

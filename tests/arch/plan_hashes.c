@@ -9,6 +9,7 @@
 
 int main(int argc, char** argv) {
     static ssv_problem_t problem;
+    static ssv_work_t work;
     static ssv_plan_t plan;
     if (argc != 3) {
         fputs("usage: plan_hashes SEED COUNT\n", stderr);
@@ -25,7 +26,7 @@ int main(int argc, char** argv) {
             printf("%d refused %s %s\n", i, fault.field, ssv_status_str(checked));
             continue;
         }
-        const ssv_status_t status = ssv_plan(&problem, &plan);
+        const ssv_status_t status = ssv_plan(&problem, &work, &plan);
         printf("%d %s %016" PRIx64 " %016" PRIx64 "\n", i,
                status == SSV_OK           ? "ok"
                : status == SSV_INFEASIBLE ? "infeasible"

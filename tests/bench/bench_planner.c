@@ -66,6 +66,7 @@ static const struct {
 
 static const char* const model_name[2] = {"paper", "ease"};
 
+static ssv_work_t work;
 static ssv_plan_t plan;
 static ssv_quote_t quote;
 static report_t goals;
@@ -116,22 +117,22 @@ static ssv_scenario_t model_task(int k, bool ease) {
     return scenario;
 }
 
-static double plan_ms(ssv_problem_t* problem) {
+static double plan_ms(const ssv_problem_t* problem) {
     const double start = now_ms();
-    (void)ssv_plan(problem, &plan);
+    (void)ssv_plan(problem, &work, &plan);
     return now_ms() - start;
 }
 
-static double quote_ms(ssv_problem_t* problem) {
+static double quote_ms(const ssv_problem_t* problem) {
     const double start = now_ms();
-    (void)ssv_quote(problem, &quote);
+    (void)ssv_quote(problem, &work, &quote);
     return now_ms() - start;
 }
 
 /// Infinite where no candidate is feasible.
 static double price(const ssv_scenario_t* scenario, const way_t* way) {
     ssv_problem_t problem = problem_of(*scenario, way);
-    return ssv_quote(&problem, &quote) == SSV_OK ? real_to_double(quote.cost) : (double)INFINITY;
+    return ssv_quote(&problem, &work, &quote) == SSV_OK ? real_to_double(quote.cost) : (double)INFINITY;
 }
 
 static double bound_ns(const ssv_problem_t* problem) {
@@ -335,7 +336,7 @@ static void report_scenarios(report_t* report, row_t* rows, int count) {
 // ---- Random tasks: times
 // ------------------------------------------------------------------------------------------------
 
-static double least_ms(double (*measured_ms)(ssv_problem_t*), ssv_problem_t* problem) {
+static double least_ms(double (*measured_ms)(const ssv_problem_t*), const ssv_problem_t* problem) {
     double least = INFINITY;
     for (int n = 0; n < TIMED_REPEATS; n++) least = fmin(least, measured_ms(problem));
     return least;
@@ -675,11 +676,10 @@ static void plan_once(void* problem) { plan_ms(problem); }
 static void quote_once(void* problem) { quote_ms(problem); }
 
 static void report_memory(report_t* report, row_t* rows, int count) {
-    report_section(
-        report, "memory",
-        "Bytes: the plan, the memory in a problem that the search works in, and how deep the calls go into the "
-        "stack, at most\nover the scenarios");
-    const double kept_KiB = (double)(sizeof(ssv_plan_t) + sizeof rows->problem.work) / 1024;
+    report_section(report, "memory",
+                   "Bytes: the plan, the memory that the search works in, and how deep the calls go into the "
+                   "stack, at most\nover the scenarios");
+    const double kept_KiB = (double)(sizeof(ssv_plan_t) + sizeof(ssv_work_t)) / 1024;
     for (int way = 0; way < NUM_WAYS; way++) {
         size_t plan_stack = 0, quote_stack = 0;
         for (int i = way; i < count; i += NUM_WAYS) {
@@ -691,7 +691,7 @@ static void report_memory(report_t* report, row_t* rows, int count) {
         report_row(report);
         report_text(report, "method", ways[way].name);
         report_count(report, "plan_bytes", (int)sizeof(ssv_plan_t));
-        report_count(report, "work_bytes", (int)sizeof rows->problem.work);
+        report_count(report, "work_bytes", (int)sizeof(ssv_work_t));
         report_count(report, "plan_stack_bytes", (int)plan_stack);
         report_count(report, "price_stack_bytes", (int)quote_stack);
         report_figure(report, "plan_and_work_KiB", kept_KiB);

@@ -18,6 +18,7 @@ static double now_ms(void) {
 
 static void time_one(const char* name, ssv_scenario_t scenario, ssv_method_t method) {
     static ssv_problem_t problem;
+    static ssv_work_t work;
     static ssv_plan_t plan;
     static ssv_quote_t quote;
     ssv_fault_t fault;
@@ -26,9 +27,9 @@ static void time_one(const char* name, ssv_scenario_t scenario, ssv_method_t met
     scenario.want_candidates = false;
     if (ssv_problem_init(&problem, &scenario, &fault) != SSV_OK) exit(EXIT_FAILURE);
     const double start_ms = now_ms();
-    const ssv_status_t planned = ssv_plan(&problem, &plan);
+    const ssv_status_t planned = ssv_plan(&problem, &work, &plan);
     const double between_ms = now_ms();
-    const ssv_status_t priced = ssv_quote(&problem, &quote);
+    const ssv_status_t priced = ssv_quote(&problem, &work, &quote);
     const double end_ms = now_ms();
     if (planned != SSV_OK || priced != SSV_OK) exit(EXIT_FAILURE);
     printf("%s %s %.6f %.6f\n", name, method == SSV_METHOD_PAPER ? "paper" : "quick", between_ms - start_ms,

@@ -81,13 +81,14 @@ static ssv_scenario_t task(uint64_t seed, int i, int method) {
 
 static void plan_tasks(uint64_t seed, int method, int first, int step, int count) {
     static ssv_problem_t problem;
+    static ssv_work_t work;
     static ssv_plan_t plan;
     for (int i = first; i < count; i += step) {
         const ssv_scenario_t scenario = task(seed, i, method);
         ssv_fault_t fault;
         const uint32_t overflows = real_overflows();
         ssv_status_t status = ssv_problem_init(&problem, &scenario, &fault);
-        if (status == SSV_OK) status = ssv_plan(&problem, &plan);
+        if (status == SSV_OK) status = ssv_plan(&problem, &work, &plan);
         printf("%d %d %d", i, (int)status, real_overflows() != overflows ? 1 : 0);
         if (status == SSV_OK) print_plan(&problem.scenario, &plan);
         putchar('\n');
@@ -142,6 +143,7 @@ static bool price_motion(char* line, uint64_t seed, int method) {
     const int i = (int)real_to_double(before[0]);
     const ssv_scenario_t scenario = task(seed, i, method);
     if (ssv_problem_init(&problem, &scenario, &fault) != SSV_OK) return false;
+    const ssv_question_t question = ssv_question_of(&problem);
     ssv_move_t move;
     while (read_move(&line, &move)) {
         const ssv_beam_t* beam = move.phase == SSV_TRANSFER ? &problem.scenario.beam : NULL;
@@ -149,7 +151,7 @@ static bool price_motion(char* line, uint64_t seed, int method) {
         ssv_thrusts_t thrusts;
         ssv_ramp_t ramp;
         ssv_move_thrusts(&problem, &assembly, move.twist, &thrusts);
-        const ssv_price_t price = ssv_move_price(&problem, &move, &thrusts, &ramp);
+        const ssv_price_t price = ssv_move_price(&question, &move, &thrusts, &ramp);
         if (price.outcome != SSV_FEASIBLE) return false;
         cost += price.cost;
         time_s += price.time_s;

@@ -38,6 +38,7 @@ typedef struct {
 static void fly(ssv_method_t method, double step_s, int k, flown_t* flown) {
     static ssv_plan_t plan;
     ssv_problem_t problem;
+    ssv_work_t work;
     ssv_fault_t fault;
     replay_flight_t flight;
     task_seed(SEED + (uint64_t)k);
@@ -46,7 +47,7 @@ static void fly(ssv_method_t method, double step_s, int k, flown_t* flown) {
     s.vehicle = task_vehicle();
     s.beam = task_beam(true);
     s.method = method;
-    flown->planned = ssv_problem_init(&problem, &s, &fault) == SSV_OK && ssv_plan(&problem, &plan) == SSV_OK;
+    flown->planned = ssv_problem_init(&problem, &s, &fault) == SSV_OK && ssv_plan(&problem, &work, &plan) == SSV_OK;
     if (!flown->planned) return;
     const bool is_long = real_to_double(plan.quote.time_s) > LONG_FLIGHT_S;
     flight_of_plan(&problem, &plan, is_long ? COARSE_STEP_S : step_s, &flight);

@@ -8,6 +8,7 @@
 #define SEED 20261123
 
 static ssv_problem_t problem;
+static ssv_work_t work;
 static ssv_plan_t plan, other;
 static char label[64];
 
@@ -21,7 +22,7 @@ static void name(int task) { (void)snprintf(label, sizeof label, "seed %d, task 
 static void solve(const ssv_scenario_t* s, ssv_plan_t* p) {
     ssv_fault_t fault;
     TEST_ASSERT_EQUAL_INT_MESSAGE(SSV_OK, ssv_problem_init(&problem, s, &fault), label);
-    TEST_ASSERT_EQUAL_INT_MESSAGE(SSV_OK, ssv_plan(&problem, p), label);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(SSV_OK, ssv_plan(&problem, &work, p), label);
 }
 
 static void test_claimed_poses_meet_the_task(void) {

@@ -38,8 +38,9 @@ static void assert_none(const char* what, breaches_t breaches) {
 // False: the scenario was refused, or no candidate is feasible. No task of these sweeps is so.
 static bool quote_of(const ssv_scenario_t* s, ssv_quote_t* quote) {
     ssv_problem_t problem;
+    ssv_work_t work;
     ssv_fault_t fault;
-    return ssv_problem_init(&problem, s, &fault) == SSV_OK && ssv_quote(&problem, quote) == SSV_OK;
+    return ssv_problem_init(&problem, s, &fault) == SSV_OK && ssv_quote(&problem, &work, quote) == SSV_OK;
 }
 
 static double price(const ssv_scenario_t* s) {
@@ -218,12 +219,13 @@ static void free_height(int k, void* result) {
     ssv_scenario_t s = anywhere(k, k % BEST_EVERY == 0 ? SSV_EFFORT_BEST : SSV_EFFORT_QUICK);
     const double end = 0.5 * s.beam.length_m;
     ssv_problem_t problem;
+    ssv_work_t work;
     ssv_quote_t quote;
     ssv_fault_t fault;
     f->anywhere = quote_of(&s, &quote) ? quote.cost : (double)NAN;
     f->bound = quote.lower_bound;
     f->on_beam = fabs(quote.choice.attach_height_m) <= end;
-    f->as_quoted = ssv_problem_init(&problem, &s, &fault) == SSV_OK && ssv_plan(&problem, &plan) == SSV_OK &&
+    f->as_quoted = ssv_problem_init(&problem, &s, &fault) == SSV_OK && ssv_plan(&problem, &work, &plan) == SSV_OK &&
                    same_price(&plan.quote, &quote);
     s.attach_anywhere = false;
     f->given = quote_of(&s, &quote) ? quote.cost : (double)NAN;
@@ -267,11 +269,13 @@ static void compare_quote_with_plan(int k, void* result) {
     const ssv_scenario_t s = task(k, SSV_METHOD_OPTIMAL, k % BEST_EVERY == 0 ? SSV_EFFORT_BEST : SSV_EFFORT_QUICK);
     static ssv_plan_t plan;
     ssv_problem_t problem;
+    ssv_work_t work;
     ssv_quote_t quote;
     ssv_fault_t fault;
     plan_outcome_t* outcome = result;
     *outcome = DIFFERENT;
-    if (ssv_problem_init(&problem, &s, &fault) != SSV_OK || ssv_plan(&problem, &plan) != ssv_quote(&problem, &quote))
+    if (ssv_problem_init(&problem, &s, &fault) != SSV_OK ||
+        ssv_plan(&problem, &work, &plan) != ssv_quote(&problem, &work, &quote))
         return;
     bool by_paper = true;
     double time_s = 0, impulse_Ns = 0; // of what is flown, leg by leg
@@ -308,11 +312,12 @@ static void check_front(int k, void* result) {
     const ssv_scenario_t s = task(k, k % 2 == 0 ? SSV_METHOD_OPTIMAL : SSV_METHOD_PAPER, SSV_EFFORT_QUICK);
     front_check_t* check = result;
     ssv_problem_t problem;
+    ssv_work_t work;
     ssv_quote_t quote;
     ssv_front_t front;
     ssv_fault_t fault;
-    if (ssv_problem_init(&problem, &s, &fault) != SSV_OK || ssv_quote(&problem, &quote) != SSV_OK) return;
-    if (ssv_front(&problem, &front) != SSV_OK) return;
+    if (ssv_problem_init(&problem, &s, &fault) != SSV_OK || ssv_quote(&problem, &work, &quote) != SSV_OK) return;
+    if (ssv_front(&problem, &work, &front) != SSV_OK) return;
     check->num_points = front.num_points;
     check->undominated = check->priced = true;
     for (int a = 0; a < front.num_points; a++) {

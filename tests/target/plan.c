@@ -17,6 +17,7 @@ static const char* word(ssv_status_t status) {
 
 // What a planner takes between its calls.
 static ssv_problem_t problem;
+static ssv_work_t work;
 static ssv_plan_t plan;
 
 /// @return what came of it.
@@ -29,7 +30,7 @@ static ssv_status_t try(const char* name, const ssv_scenario_t* scenario) {
     }
     board_stack_paint();
     const uint64_t before = board_instructions();
-    const ssv_status_t status = ssv_plan(&problem, &plan);
+    const ssv_status_t status = ssv_plan(&problem, &work, &plan);
     const uint64_t instructions = board_instructions() - before;
     printf("%s %s %s %.9g %08" PRIx32 "%08" PRIx32 " %.0f %u\n", name,
            scenario->method == SSV_METHOD_PAPER ? "paper" : "optimal", word(status), real_to_double(plan.quote.cost),

@@ -63,10 +63,11 @@ static ssv_ramp_t ramp_for(double weight_time, double weight_impulse, ssv_price_
     s.weight_time_per_s = weight_time;
     s.weight_impulse_per_Ns = weight_impulse;
     TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
+    const ssv_question_t question = ssv_question_of(&problem);
     const ssv_assembly_t alone = {&problem.scenario.vehicle, NULL, {{0, 0, 0}, {1, 0, 0, 0}}};
     const ssv_move_t turn = ssv_move_turn(SSV_TRANSIT, vec3(0, 0, 1), 1.5, vec3(0, 0, 0));
     ssv_move_thrusts(&problem, &alone, turn.twist, &thrusts);
-    *price = ssv_move_solve(&problem, &turn, &thrusts, &profile, &ramp);
+    *price = ssv_move_solve(&question, &turn, &thrusts, &profile, &ramp);
     TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, price->outcome);
     return ramp;
 }
@@ -88,8 +89,9 @@ static void test_move_of_no_length_costs_nothing(void) {
     ssv_ramp_t ramp;
     const ssv_thrusts_t thrusts = {{1}, {0}, {0}, 6};
     TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
+    const ssv_question_t question = ssv_question_of(&problem);
     const ssv_move_t nowhere = ssv_move_translate(SSV_TRANSIT, vec3(1e-10, 0, 0));
-    const ssv_price_t price = ssv_move_solve(&problem, &nowhere, &thrusts, &profile, &ramp);
+    const ssv_price_t price = ssv_move_solve(&question, &nowhere, &thrusts, &profile, &ramp);
     TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, price.outcome);
     TEST_ASSERT_EQUAL_DOUBLE(0, nowhere.length);
     TEST_ASSERT_EQUAL_DOUBLE(0, price.time_s + price.impulse_Ns + price.cost);

@@ -3,6 +3,7 @@
 #include "unity.h"
 
 static ssv_problem_t problem;
+static ssv_work_t work;
 static ssv_plan_t plan, zeros;
 static ssv_quote_t quote;
 static ssv_front_t front;
@@ -26,9 +27,9 @@ static void test_price_beyond_the_largest_number_is_an_overflow_by_either_method
         ssv_scenario_t s = too_heavy();
         s.method = (ssv_method_t)method;
         begin(&s);
-        TEST_ASSERT_EQUAL_INT(SSV_NUMERIC_OVERFLOW, ssv_plan(&problem, &plan));
-        TEST_ASSERT_EQUAL_INT(SSV_NUMERIC_OVERFLOW, ssv_quote(&problem, &quote));
-        TEST_ASSERT_EQUAL_INT(SSV_NUMERIC_OVERFLOW, ssv_front(&problem, &front));
+        TEST_ASSERT_EQUAL_INT(SSV_NUMERIC_OVERFLOW, ssv_plan(&problem, &work, &plan));
+        TEST_ASSERT_EQUAL_INT(SSV_NUMERIC_OVERFLOW, ssv_quote(&problem, &work, &quote));
+        TEST_ASSERT_EQUAL_INT(SSV_NUMERIC_OVERFLOW, ssv_front(&problem, &work, &front));
     }
 }
 
@@ -38,9 +39,9 @@ static void test_overflow_leaves_nothing_but_the_status_and_the_question_s_hash(
     memset(&plan, 0x5a, sizeof plan);
     memset(&quote, 0x5a, sizeof quote);
     memset(&front, 0x5a, sizeof front);
-    (void)ssv_plan(&problem, &plan);
-    (void)ssv_quote(&problem, &quote);
-    (void)ssv_front(&problem, &front);
+    (void)ssv_plan(&problem, &work, &plan);
+    (void)ssv_quote(&problem, &work, &quote);
+    (void)ssv_front(&problem, &work, &front);
     memset(&zeros, 0, sizeof zeros);
     zeros.quote.status = SSV_NUMERIC_OVERFLOW;
     zeros.quote.scenario_hash = ssv_scenario_hash(&s);
@@ -56,12 +57,12 @@ static void test_overflow_of_one_question_does_not_taint_the_next(void) {
     ssv_scenario_t light = task_case_study(false);
     light.method = SSV_METHOD_OPTIMAL;
     begin(&light);
-    TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_plan(&problem, &plan));
+    TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_plan(&problem, &work, &plan));
     const uint64_t hash = plan.plan_hash;
     begin(&heavy);
-    TEST_ASSERT_EQUAL_INT(SSV_NUMERIC_OVERFLOW, ssv_plan(&problem, &plan));
+    TEST_ASSERT_EQUAL_INT(SSV_NUMERIC_OVERFLOW, ssv_plan(&problem, &work, &plan));
     begin(&light);
-    TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_plan(&problem, &plan));
+    TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_plan(&problem, &work, &plan));
     TEST_ASSERT_TRUE(hash == plan.plan_hash);
 }
 

@@ -5,6 +5,7 @@
 #include "unity.h"
 
 static ssv_problem_t problem;
+static ssv_work_t work;
 static ssv_plan_t plan, other;
 
 void setUp(void) {}
@@ -13,19 +14,19 @@ void tearDown(void) {}
 static ssv_status_t plan_of(const ssv_scenario_t* s, ssv_plan_t* p) {
     ssv_fault_t fault;
     TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, s, &fault));
-    return ssv_plan(&problem, p);
+    return ssv_plan(&problem, &work, p);
 }
 
 static ssv_status_t quote_of(const ssv_scenario_t* s, ssv_quote_t* quote) {
     ssv_fault_t fault;
     TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, s, &fault));
-    return ssv_quote(&problem, quote);
+    return ssv_quote(&problem, &work, quote);
 }
 
 static ssv_status_t front_of(const ssv_scenario_t* s, ssv_front_t* front) {
     ssv_fault_t fault;
     TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, s, &fault));
-    return ssv_front(&problem, front);
+    return ssv_front(&problem, &work, front);
 }
 
 static void test_plan_of_the_case_study_has_the_papers_four_legs_and_two_events(void) {
@@ -264,8 +265,66 @@ static void test_same_question_gets_the_same_plan_and_another_question_another_h
     TEST_ASSERT_TRUE(plan.plan_hash != other.plan_hash && plan.quote.scenario_hash != other.quote.scenario_hash);
 }
 
+static void assert_same_candidate(const ssv_candidate_t* a, const ssv_candidate_t* b) {
+    TEST_ASSERT_TRUE(a->contact == b->contact && a->outcome == b->outcome);
+    TEST_ASSERT_TRUE(a->attach_height_m == b->attach_height_m && a->ring_angle_rad == b->ring_angle_rad);
+    TEST_ASSERT_TRUE(a->time_s == b->time_s && a->impulse_Ns == b->impulse_Ns && a->cost == b->cost);
+}
+
+// All that may be asked about a problem, and the answers.
+typedef struct {
+    ssv_work_t work;
+    ssv_plan_t plan;
+    ssv_quote_t quote;
+    ssv_front_t front;
+} asker_t;
+
+static void ask(asker_t* asker, int what) {
+    if (what == 0) TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_plan(&problem, &asker->work, &asker->plan));
+    if (what == 1) TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_quote(&problem, &asker->work, &asker->quote));
+    if (what == 2) TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_front(&problem, &asker->work, &asker->front));
+}
+
+static void assert_same_answers(const asker_t* a, const asker_t* b) {
+    TEST_ASSERT_TRUE(ssv_plan_hash(&a->plan) == ssv_plan_hash(&b->plan) && a->plan.quote.cost == b->plan.quote.cost);
+    TEST_ASSERT_TRUE(a->quote.cost == b->quote.cost && a->quote.lower_bound == b->quote.lower_bound);
+    TEST_ASSERT_EQUAL_INT(a->quote.num_priced, b->quote.num_priced);
+    TEST_ASSERT_EQUAL_INT(a->quote.num_candidates, b->quote.num_candidates);
+    assert_same_candidate(&a->quote.choice, &b->quote.choice);
+    for (int k = 0; k < a->quote.num_candidates; k++)
+        assert_same_candidate(&a->quote.candidate[k], &b->quote.candidate[k]);
+    TEST_ASSERT_EQUAL_INT(a->front.num_points, b->front.num_points);
+    for (int k = 0; k < a->front.num_points; k++) assert_same_candidate(&a->front.point[k], &b->front.point[k]);
+}
+
+// One asker asks its three questions of a fresh problem each, two others take turns on one problem.
+static void test_questions_about_one_problem_change_neither_it_nor_one_another(void) {
+    static asker_t alone, askers[2];
+    static ssv_problem_t untouched;
+    for (int method = SSV_METHOD_OPTIMAL; method <= SSV_METHOD_PAPER; method++) {
+        ssv_scenario_t s = task_case_study(true);
+        ssv_fault_t fault;
+        s.method = (ssv_method_t)method;
+        s.contact = 0;
+        memset(&alone, 0, sizeof alone);
+        for (int what = 0; what < 3; what++) {
+            TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
+            ask(&alone, what);
+        }
+        TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
+        memcpy(&untouched, &problem, sizeof problem);
+        for (int k = 0; k < 2; k++) memset(&askers[k], 0x33 * (k + 1), sizeof askers[k]);
+        for (int turn = 0; turn < 3; turn++) {
+            for (int k = 0; k < 2; k++) ask(&askers[k], (turn + k) % 3);
+        }
+        for (int k = 0; k < 2; k++) assert_same_answers(&alone, &askers[k]);
+        TEST_ASSERT_EQUAL_MEMORY(&untouched, &problem, sizeof problem);
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_questions_about_one_problem_change_neither_it_nor_one_another);
     RUN_TEST(test_plan_of_the_case_study_has_the_papers_four_legs_and_two_events);
     RUN_TEST(test_choice_is_the_cheapest_candidate_and_its_price_is_that_of_the_plan);
     RUN_TEST(test_vehicle_on_the_beams_axis_takes_the_cheapest_of_sixteen_sides);

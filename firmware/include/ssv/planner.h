@@ -5,13 +5,16 @@
 /// and writes the plan, `ssv_plan_sample` reads the plan at a time. Where the price will do, there are `ssv_quote`,
 /// `ssv_front` and `ssv_lower_bound`. The planner is a function of its input: no clock, no randomness, no heap, no
 /// globals, no I/O; the same scenario gives the same plan, bit for bit. All memory is the caller's and every loop is
-/// bounded by a constant of this header or of the sources. Two planners may run side by side.
+/// bounded by a constant of this header or of the sources. A problem is constant once it is made: any number of
+/// questions about it may be answered side by side, each in a ssv_work_t of its own.
 ///
 ///     ssv_scenario_t scenario = ssv_scenario_default();   // then fill in bodies, poses and port
 ///     ssv_problem_t problem;
 ///     ssv_fault_t fault;
 ///     if (ssv_problem_init(&problem, &scenario, &fault) != SSV_OK) { ... fault.field names what is wrong ... }
-///     if (ssv_plan(&problem, &plan) == SSV_OK) { ... plan.quote.cost, plan.segment[0..plan.num_segments) ... }
+///     static ssv_work_t work;                             // 7 kB, needs no initial value
+///     static ssv_plan_t plan;                             // 23 kB
+///     if (ssv_plan(&problem, &work, &plan) == SSV_OK) { ... plan.quote.cost, plan.segment[0..plan.num_segments) ... }
 ///
 /// Frames, units and ranges: ssv/scenario.h (the question), ssv/plan.h (the answer).
 #ifndef SSV_PLANNER_H
@@ -38,17 +41,22 @@ typedef struct {
     real_t u_per_wrench[SSV_NUM_THRUSTERS][6];
 } ssv_allocation_t;
 
-/// Memory that planning works in, in numbers.
-#define SSV_WORK_REALS 850
-
-/// A checked scenario with what the search needs from it, and the memory that it works in: one question at a time for
-/// each. Made by `ssv_problem_init` only; its fields are not API.
+/// A checked scenario with what follows from it. Made by `ssv_problem_init` only, constant afterwards; its fields are
+/// not API.
 typedef struct {
     ssv_scenario_t scenario; ///< as given, with quaternions and directions normalised and the heights filled in
     uint64_t scenario_hash;
     ssv_allocation_t allocation;
-    real_t work[SSV_WORK_REALS]; ///< of a question while it is answered; means nothing afterwards
 } ssv_problem_t;
+
+/// Memory that one question is answered in, in numbers.
+#define SSV_WORK_REALS 850
+
+/// That memory: the caller's, one for each question under way. It needs no initial value, and what a question leaves in
+/// it means nothing.
+typedef struct {
+    real_t number[SSV_WORK_REALS];
+} ssv_work_t;
 
 /// Checks every field of the scenario against its range and caches the inverse of the thruster matrix.
 /// @return SSV_OK, or a negative status; then *problem is untouched and *fault says which field. Costs about a
@@ -65,16 +73,16 @@ real_t ssv_lower_bound(const ssv_problem_t* problem);
 /// The price without the plan: that of `ssv_plan`, to the last bit, unless that plan turns out not to fit its memory
 /// (see SSV_TOO_MANY_SEGMENTS). @return quote->status. Every field of *quote is written; with SSV_INFEASIBLE only
 /// status, scenario_hash and the candidates are meaningful, with SSV_NUMERIC_OVERFLOW the first two, the rest is zero.
-ssv_status_t ssv_quote(ssv_problem_t* problem, ssv_quote_t* quote);
+ssv_status_t ssv_quote(const ssv_problem_t* problem, ssv_work_t* work, ssv_quote_t* quote);
 
 /// The front over the scenario's candidates and over a ladder of weights from time alone to impulse alone, each rung
 /// planned with the scenario's method and effort. A scheduler that changes its weights takes the point that costs least
 /// with them. A point is what `ssv_quote` finds for that rung when it lists all candidates. Costs nine such quotes.
 /// @return front->status; every field of *front is written.
-ssv_status_t ssv_front(ssv_problem_t* problem, ssv_front_t* front);
+ssv_status_t ssv_front(const ssv_problem_t* problem, ssv_work_t* work, ssv_front_t* front);
 
 /// Plans. @return plan->quote.status. Every field of *plan is written.
-ssv_status_t ssv_plan(ssv_problem_t* problem, ssv_plan_t* plan);
+ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_work_t* work, ssv_plan_t* plan);
 
 /// 64-bit hash (FNV-1a over the fields in the order declared, plan_hash left out, arrays up to their counts) of a plan.
 uint64_t ssv_plan_hash(const ssv_plan_t* plan);

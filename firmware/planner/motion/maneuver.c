@@ -18,8 +18,8 @@
 // while.
 #define COEFFICIENT_MIN real_max(REAL(9.3132257461547852e-10), 16 * REAL_EPSILON)
 
-real_t ssv_leg_weight_time(const ssv_scenario_t* scenario) {
-    return real_max(scenario->weight_time_per_s, real_mul(SSV_SECOND_COSTS_N, scenario->weight_impulse_per_Ns));
+real_t ssv_leg_weight_time(const ssv_question_t* question) {
+    return real_max(question->weight_time_per_s, real_mul(SSV_SECOND_COSTS_N, question->weight_impulse_per_Ns));
 }
 
 ssv_move_t ssv_move_translate(ssv_phase_t phase, vec3_t displacement_S) {
@@ -96,54 +96,53 @@ void ssv_move_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assemb
     thrusts->force_max_N = problem->scenario.vehicle.force_max_N;
 }
 
-real_t ssv_metre_price(const ssv_problem_t* problem, vec3_t n_S) {
-    const ssv_scenario_t* s = &problem->scenario;
+real_t ssv_metre_price(const ssv_question_t* question, vec3_t n_S) {
+    const ssv_vehicle_t* vehicle = &question->problem->scenario.vehicle;
     const vec3_t zero = vec3(REAL(0), REAL(0), REAL(0));
     real_t u[SSV_NUM_THRUSTERS], largest = REAL(0), sum = REAL(0);
     // Thrusts are proportional to the speed, so the cheapest speed is the highest.
-    ssv_alloc(&problem->allocation, vec3_scale(s->vehicle.body.drag_lin_kg_s, n_S), zero, u);
+    ssv_alloc(&question->problem->allocation, vec3_scale(vehicle->body.drag_lin_kg_s, n_S), zero, u);
     for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
         largest = real_max(largest, real_abs(u[i]));
         sum += real_abs(u[i]);
     }
-    return real_mul(s->weight_time_per_s, real_div(largest, s->vehicle.force_max_N)) +
-           real_mul(s->weight_impulse_per_Ns, sum);
+    return real_mul(question->weight_time_per_s, real_div(largest, vehicle->force_max_N)) +
+           real_mul(question->weight_impulse_per_Ns, sum);
 }
 
 bool ssv_price_beats(const ssv_price_t* a, const ssv_price_t* b) {
     return a->outcome == SSV_FEASIBLE && (b->outcome != SSV_FEASIBLE || a->cost < b->cost);
 }
 
-static ssv_rule_t rule_of(const ssv_scenario_t* scenario, const ssv_move_t* move, ssv_ramp_t ramp) {
+static ssv_rule_t rule_of(const ssv_question_t* question, const ssv_move_t* move, ssv_ramp_t ramp) {
     const real_t cutoff = move->kind == SSV_TRANSLATE ? SSV_CUTOFF_TRANSLATE_M_S : SSV_CUTOFF_TURN_RAD_S;
-    return (ssv_rule_t){ramp, cutoff, ssv_leg_weight_time(scenario), scenario->weight_impulse_per_Ns, REAL(0)};
+    return (ssv_rule_t){ramp, cutoff, ssv_leg_weight_time(question), question->weight_impulse_per_Ns, REAL(0)};
 }
 
-static ssv_price_t price_of(const ssv_scenario_t* scenario, const ssv_profile_price_t* profile) {
+static ssv_price_t price_of(const ssv_question_t* question, const ssv_profile_price_t* profile) {
     ssv_price_t price = {profile->outcome, REAL(0), REAL(0), REAL(0)};
     if (price.outcome != SSV_FEASIBLE) return price;
     price.time_s = profile->duration_s;
     price.impulse_Ns = profile->impulse_Ns;
-    price.cost = real_mul(scenario->weight_time_per_s, price.time_s) +
-                 real_mul(scenario->weight_impulse_per_Ns, price.impulse_Ns);
+    price.cost = real_mul(question->weight_time_per_s, price.time_s) +
+                 real_mul(question->weight_impulse_per_Ns, price.impulse_Ns);
     return price;
 }
 
-ssv_price_t ssv_move_price(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
+ssv_price_t ssv_move_price(const ssv_question_t* question, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
                            ssv_ramp_t* ramp) {
-    const ssv_scenario_t* scenario = &problem->scenario;
     *ramp = SSV_FULL_REVERSE;
     if (!(move->length > REAL(0))) return (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
-    if (scenario->method == SSV_METHOD_OPTIMAL) {
+    if (question->method == SSV_METHOD_OPTIMAL) {
         *ramp = SSV_OPTIMAL;
-        const ssv_rule_t rule = rule_of(scenario, move, *ramp);
+        const ssv_rule_t rule = rule_of(question, move, *ramp);
         const ssv_profile_price_t optimal = ssv_profile_price(thrusts, &rule, move->length);
-        return price_of(scenario, &optimal);
+        return price_of(question, &optimal);
     }
-    const ssv_rule_t rule = rule_of(scenario, move, *ramp);
+    const ssv_rule_t rule = rule_of(question, move, *ramp);
     ssv_profile_price_t full_reverse, drag_only;
     ssv_profile_price_ramps(thrusts, &rule, move->length, &full_reverse, &drag_only);
-    const ssv_price_t reverse = price_of(scenario, &full_reverse), drift = price_of(scenario, &drag_only);
+    const ssv_price_t reverse = price_of(question, &full_reverse), drift = price_of(question, &drag_only);
     ssv_price_t to_beat = reverse;
     to_beat.cost -= real_mul(RAMPS_TIE, reverse.cost);
     if (!ssv_price_beats(&drift, &to_beat)) return reverse;
@@ -151,17 +150,16 @@ ssv_price_t ssv_move_price(const ssv_problem_t* problem, const ssv_move_t* move,
     return drift;
 }
 
-ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
+ssv_price_t ssv_move_solve(const ssv_question_t* question, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
                            ssv_profile_t* profile, ssv_ramp_t* ramp) {
-    const ssv_scenario_t* scenario = &problem->scenario;
     profile->num_pieces = 0;
     *ramp = SSV_OPTIMAL;
-    if (scenario->method == SSV_METHOD_PAPER || !(move->length > REAL(0))) {
-        const ssv_price_t price = ssv_move_price(problem, move, thrusts, ramp);
+    if (question->method == SSV_METHOD_PAPER || !(move->length > REAL(0))) {
+        const ssv_price_t price = ssv_move_price(question, move, thrusts, ramp);
         if (price.outcome != SSV_FEASIBLE || !(move->length > REAL(0))) return price;
     }
-    const ssv_rule_t rule = rule_of(scenario, move, *ramp);
+    const ssv_rule_t rule = rule_of(question, move, *ramp);
     const ssv_outcome_t outcome = ssv_profile_solve(thrusts, &rule, move->length, profile);
     const ssv_profile_price_t price = {outcome, profile->duration_s, profile->impulse_Ns, profile->peak_speed};
-    return price_of(scenario, &price);
+    return price_of(question, &price);
 }

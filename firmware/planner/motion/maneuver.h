@@ -1,10 +1,10 @@
-/// Legs: motion along a constant twist of the vehicle, and its price by the scenario's method.
+/// Legs: motion along a constant twist of the vehicle, and its price by the question's method.
 #ifndef SSV_MANEUVER_H
 #define SSV_MANEUVER_H
 
 #include "planner/model/body.h"
+#include "planner/motion/question.h"
 #include "planner/profile/profile.h"
-#include "ssv/planner.h"
 
 /// Where a leg goes. Distances are in rad for SSV_TURN, else in m.
 typedef struct {
@@ -26,8 +26,8 @@ bool ssv_price_beats(const ssv_price_t* a, const ssv_price_t* b);
 /// nothing.
 #define SSV_SECOND_COSTS_N REAL(1e-2)
 
-/// The weight of time that legs are planned with; their price is that with the scenario's own.
-real_t ssv_leg_weight_time(const ssv_scenario_t* scenario);
+/// The weight of time that legs are planned with; their price is that with the question's own.
+real_t ssv_leg_weight_time(const ssv_question_t* question);
 
 /// Straight flight by displacement_S [m] in axes of S, attitude held. A displacement of zero makes a move of length 0.
 ssv_move_t ssv_move_translate(ssv_phase_t phase, vec3_t displacement_S);
@@ -45,7 +45,7 @@ pose_t ssv_move_pose(pose_t X_IS, ssv_twist_t twist, real_t s);
 /// Cost per metre of a straight flight along the unit body direction n_S at its cheapest speed, by the vehicle's linear
 /// drag alone. No straight flight along it costs less, for the vehicle alone or with a beam that feels no drag of its
 /// own.
-real_t ssv_metre_price(const ssv_problem_t* problem, vec3_t n_S);
+real_t ssv_metre_price(const ssv_question_t* question, vec3_t n_S);
 
 /// Thrusts along a move of this assembly (DESIGN.md 4).
 void ssv_move_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assembly, ssv_twist_t twist,
@@ -54,11 +54,11 @@ void ssv_move_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assemb
 /// Price of a move: with the optimal profile, or for method paper with the cheaper of its ramps. A move of length 0
 /// costs nothing.
 /// @return the price; where no ramp is feasible, why; then *ramp is not meaningful.
-ssv_price_t ssv_move_price(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
+ssv_price_t ssv_move_price(const ssv_question_t* question, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
                            ssv_ramp_t* ramp);
 
 /// The same with the profile; a move of length 0 has no pieces.
-ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
+ssv_price_t ssv_move_solve(const ssv_question_t* question, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
                            ssv_profile_t* profile, ssv_ramp_t* ramp);
 
 #endif

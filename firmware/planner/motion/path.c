@@ -27,7 +27,7 @@ static bool same_move(const ssv_move_t* a, const ssv_move_t* b) {
     return a->kind == b->kind && a->length == b->length && same(a->twist.v, b->twist.v) && same(a->twist.w, b->twist.w);
 }
 
-void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_flight_t* known,
+void ssv_flight_price(const ssv_question_t* question, const ssv_assembly_t* assembly, const ssv_flight_t* known,
                       ssv_flight_t* flight) {
     flight->price = (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
     for (int k = 0; k < flight->num_moves; k++) {
@@ -37,25 +37,24 @@ void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assemb
         } else {
             ssv_thrusts_t thrusts;
             ssv_ramp_t ramp;
-            ssv_move_thrusts(problem, assembly, move->twist, &thrusts);
-            flight->move_price[k] = ssv_move_price(problem, move, &thrusts, &ramp);
+            ssv_move_thrusts(question->problem, assembly, move->twist, &thrusts);
+            flight->move_price[k] = ssv_move_price(question, move, &thrusts, &ramp);
         }
         add_price(&flight->price, &flight->move_price[k]);
     }
 }
 
-bool ssv_moves_estimate(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t move[],
+bool ssv_moves_estimate(const ssv_question_t* question, const ssv_assembly_t* assembly, const ssv_move_t move[],
                         int num_moves, real_t closeness, real_t* price) {
-    const ssv_scenario_t* s = &problem->scenario;
-    const real_t weight_time = ssv_leg_weight_time(s);
+    const real_t weight_time = ssv_leg_weight_time(question);
     *price = REAL(0);
     for (int k = 0; k < num_moves; k++) {
         if (!(move[k].length > REAL(0))) continue;
         ssv_thrusts_t thrusts;
         real_t cost, peak_speed;
-        ssv_move_thrusts(problem, assembly, move[k].twist, &thrusts);
-        if (!ssv_profile_estimate(&thrusts, weight_time, s->weight_impulse_per_Ns, move[k].length, closeness, &cost,
-                                  &peak_speed)) {
+        ssv_move_thrusts(question->problem, assembly, move[k].twist, &thrusts);
+        if (!ssv_profile_estimate(&thrusts, weight_time, question->weight_impulse_per_Ns, move[k].length, closeness,
+                                  &cost, &peak_speed)) {
             return false;
         }
         *price += cost;

@@ -38,12 +38,12 @@ ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, real_t height
 
 /// Prices flight->move[0..num_moves). Moves that a flight of the same assembly that was priced before has in the same
 /// place are not priced again; NULL if there is none.
-void ssv_flight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_flight_t* known,
+void ssv_flight_price(const ssv_question_t* question, const ssv_assembly_t* assembly, const ssv_flight_t* known,
                       ssv_flight_t* flight);
 
 /// About what moves cost together, by ssv_profile_estimate. @return false if the thrusters cannot do one of them; then
 /// *price is meaningless.
-bool ssv_moves_estimate(const ssv_problem_t* problem, const ssv_assembly_t* assembly, const ssv_move_t move[],
+bool ssv_moves_estimate(const ssv_question_t* question, const ssv_assembly_t* assembly, const ssv_move_t move[],
                         int num_moves, real_t closeness, real_t* price);
 
 /// What both phases cost together, as ssv_chain_join adds it up.

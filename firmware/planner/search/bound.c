@@ -9,7 +9,8 @@
 //     sum of F max(0, Y |n . n_i| - W2) <= W1 for every unit n.
 // The |n . n_i| have squares that sum to at most the largest eigenvalue of sum n_i n_i^T, so the left side is largest
 // with m of them equal and the rest zero, for some m.
-real_t ssv_least_metre_price(const ssv_scenario_t* s) {
+real_t ssv_least_metre_price(const ssv_question_t* question) {
+    const ssv_scenario_t* s = &question->problem->scenario;
     real_t m[3][3] = {{REAL(0)}}, eigenvalue = REAL(0);
     for (int i = 0; i < N; i++) {
         const vec3_t v = s->vehicle.thruster[i].n_T_S;
@@ -26,8 +27,8 @@ real_t ssv_least_metre_price(const ssv_scenario_t* s) {
     for (int k = 1; k <= N; k++) {
         // No |n . n_i| is above 1.
         const real_t spread = real_sqrt(real_max(REAL(1), real_div(real_from_int(k), eigenvalue)));
-        const real_t share = real_div(s->weight_time_per_s, real_mul(real_from_int(k), s->vehicle.force_max_N));
-        const real_t y = real_mul(spread, share + s->weight_impulse_per_Ns);
+        const real_t share = real_div(question->weight_time_per_s, real_mul(real_from_int(k), s->vehicle.force_max_N));
+        const real_t y = real_mul(spread, share + question->weight_impulse_per_Ns);
         if (k == 1 || y < least) least = y;
     }
     return real_mul(least, s->vehicle.body.drag_lin_kg_s);
@@ -45,13 +46,13 @@ static bool can_row(const ssv_scenario_t* s) {
 // Of the way by the height: the ring, where the transfer starts and where it ends each move by as much as the height.
 #define STEEPEST REAL(3)
 
-real_t ssv_lower_bound(const ssv_problem_t* problem) {
-    const ssv_scenario_t* s = &problem->scenario;
+real_t ssv_least_price(const ssv_question_t* question) {
+    const ssv_scenario_t* s = &question->problem->scenario;
     const uint32_t overflows = real_overflows();
     const vec3_t p_BS = pose_between(s->X_IB, s->X_IS).p;
     const real_t off_ring = vec3_norm(vec3(p_BS.x, p_BS.y, REAL(0))) - s->standoff_m;
     const vec3_t axis_B = quat_apply(s->X_IB.q, vec3(REAL(0), REAL(0), REAL(1)));
-    const bool anywhere = s->attach_anywhere && s->method == SSV_METHOD_OPTIMAL;
+    const bool anywhere = s->attach_anywhere && question->method == SSV_METHOD_OPTIMAL;
     const int num = anywhere ? NUM_STEPS + 1 : s->num_attach_heights;
     const real_t step = real_div(s->beam.length_m, REAL(NUM_STEPS));
     real_t least = REAL(0);
@@ -74,6 +75,11 @@ real_t ssv_lower_bound(const ssv_problem_t* problem) {
             first = false;
         }
     }
-    const real_t bound = real_mul(ssv_least_metre_price(s), least);
+    const real_t bound = real_mul(ssv_least_metre_price(question), least);
     return real_overflows() == overflows && real_is_finite(bound) ? bound : REAL(0);
+}
+
+real_t ssv_lower_bound(const ssv_problem_t* problem) {
+    const ssv_question_t question = ssv_question_of(problem);
+    return ssv_least_price(&question);
 }

@@ -57,9 +57,9 @@ static vec3_t part(const ssv_trial_t* trial, int first) {
     return vec3(trial->x[first], trial->x[first + 1], trial->x[first + 2]);
 }
 
-ssv_task_t ssv_transfer_task(const ssv_problem_t* problem, int contact, real_t height_m) {
-    const ssv_scenario_t* s = &problem->scenario;
-    ssv_task_t task = {.problem = problem,
+ssv_task_t ssv_transfer_task(const ssv_question_t* question, int contact, real_t height_m) {
+    const ssv_scenario_t* s = &question->problem->scenario;
+    ssv_task_t task = {.question = question,
                        .phase = SSV_TRANSFER,
                        .contact = contact,
                        .height_m = height_m,
@@ -79,8 +79,8 @@ ssv_task_t ssv_transfer_task(const ssv_problem_t* problem, int contact, real_t h
 }
 
 ssv_task_t ssv_transit_task(const ssv_task_t* transfer, const pose_t* X_to) {
-    const pose_t* X_from = &transfer->problem->scenario.X_IS;
-    return (ssv_task_t){.problem = transfer->problem,
+    const pose_t* X_from = &transfer->question->problem->scenario.X_IS;
+    return (ssv_task_t){.question = transfer->question,
                         .phase = SSV_TRANSIT,
                         .contact = transfer->contact,
                         .height_m = transfer->height_m,
@@ -129,7 +129,7 @@ static void aim(const ssv_task_t* task, const carriage_t* c, vec3_t way, ssv_att
     for (int end = 0; end < SSV_NUM_ENDS; end++) {
         if (task->phase == SSV_TRANSIT) {
             a->q_IS[end] = task->transit.q_IS[end];
-        } else if (end == 0 && task->problem->scenario.ring_angle_given) {
+        } else if (end == 0 && task->question->problem->scenario.ring_angle_given) {
             a->q_IS[end] = quat_mul(task->transfer.q_given, roll_about(x_axis, c->axis_S.y, -c->axis_S.z));
         } else {
             const quat_t smallest = quat_between(quat_apply(a->q_IT[end], c->axis_S), task->transfer.axis_I[end]);
@@ -155,7 +155,7 @@ static ssv_move_t turn_about(ssv_phase_t phase, quat_t q_from, quat_t q_to, vec3
 
 void ssv_trial_lay(const ssv_task_t* task, const ssv_trial_t* trial, ssv_motion_t* motion) {
     const bool alone = task->phase == SSV_TRANSIT;
-    const vec3_t ahead = vec3(alone ? REAL(0) : task->problem->scenario.standoff_m, REAL(0), REAL(0));
+    const vec3_t ahead = vec3(alone ? REAL(0) : task->question->problem->scenario.standoff_m, REAL(0), REAL(0));
     const vec3_t pivot[SSV_NUM_ENDS] = {part(trial, SSV_X_PIVOT), part(trial, SSV_X_PIVOT + 3)};
     // From hold_I[0], so that they keep their digits wherever in the tank that is.
     const vec3_t hold[SSV_NUM_ENDS] = {vec3(REAL(0), REAL(0), REAL(0)), vec3_sub(task->hold_I[1], task->hold_I[0])};
@@ -173,15 +173,15 @@ void ssv_trial_lay(const ssv_task_t* task, const ssv_trial_t* trial, ssv_motion_
         }
     }
     motion->X_from = (pose_t){vec3_sub(task->hold_I[0], quat_apply(a.q_IS[0], ahead)), a.q_IS[0]};
-    motion->assembly = alone ? ssv_vehicle_alone(task->problem)
-                             : ssv_vehicle_with_beam(task->problem, task->height_m, motion->X_from.q);
+    motion->assembly = alone ? ssv_vehicle_alone(task->question->problem)
+                             : ssv_vehicle_with_beam(task->question->problem, task->height_m, motion->X_from.q);
     motion->move[0] = turn_about(task->phase, a.q_IS[0], a.q_IT[0], pivot[0]);
     motion->move[1] = ssv_move_between(task->phase, (pose_t){p_T[0], a.q_IT[0]}, (pose_t){p_T[1], a.q_IT[1]});
     motion->move[2] = turn_about(task->phase, a.q_IT[1], a.q_IS[1], pivot[1]);
 }
 
 ssv_grasp_t ssv_trial_grasp(const ssv_task_t* task, const pose_t* X_IS) {
-    const ssv_scenario_t* s = &task->problem->scenario;
+    const ssv_scenario_t* s = &task->question->problem->scenario;
     const vec3_t outward_B = quat_apply(quat_conj(s->X_IB.q), vec3_neg(quat_apply(X_IS->q, x_axis)));
     const real_t ring_angle = s->ring_angle_given ? s->ring_angle_rad : real_atan2(outward_B.y, outward_B.x);
     return (ssv_grasp_t){task->contact, task->height_m, ring_angle};

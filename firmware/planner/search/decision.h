@@ -35,7 +35,7 @@ typedef struct {
 
 /// One phase, for one contact and height.
 typedef struct {
-    const ssv_problem_t* problem;
+    const ssv_question_t* question;
     ssv_phase_t phase;
     int contact;
     real_t height_m;             ///< [m] attach height along z_B
@@ -63,7 +63,7 @@ typedef struct {
     ssv_move_t move[SSV_MAX_PHASE_MOVES];
 } ssv_motion_t;
 
-ssv_task_t ssv_transfer_task(const ssv_problem_t* problem, int contact, real_t height_m);
+ssv_task_t ssv_transfer_task(const ssv_question_t* question, int contact, real_t height_m);
 
 /// The flight to where a transfer begins, as far as the same grasp goes.
 ssv_task_t ssv_transit_task(const ssv_task_t* transfer, const pose_t* X_to);

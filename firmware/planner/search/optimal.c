@@ -62,12 +62,13 @@ static real_t try_price(ssv_task_t* task, const ssv_trial_t* trial) {
     real_t price, before = REAL(0);
     ssv_trial_lay(task, trial, &motion);
     task->num_priced++;
-    if (!ssv_moves_estimate(task->problem, &motion.assembly, motion.move, SSV_MAX_PHASE_MOVES, task->closeness, &price))
+    if (!ssv_moves_estimate(task->question, &motion.assembly, motion.move, SSV_MAX_PHASE_MOVES, task->closeness,
+                            &price))
         return NO_PRICE;
     if (task->before != NULL) {
         const ssv_task_t fly = ssv_transit_task(task, &motion.X_from);
         ssv_trial_lay(&fly, task->before, &motion);
-        if (!ssv_moves_estimate(task->problem, &motion.assembly, motion.move, SSV_MAX_PHASE_MOVES, task->closeness,
+        if (!ssv_moves_estimate(task->question, &motion.assembly, motion.move, SSV_MAX_PHASE_MOVES, task->closeness,
                                 &before))
             return NO_PRICE;
     }
@@ -138,7 +139,7 @@ static void search_pairs(ssv_task_t* task, const real_t step[SSV_NUM_TRANSFER], 
 static void refine(ssv_task_t* task, const caution_t* caution, const stage_t* stage, ssv_trial_t* trial,
                    real_t* price) {
     const int num = task->phase == SSV_TRANSIT ? SSV_NUM_TRANSIT : SSV_NUM_TRANSFER;
-    const bool given = task->phase == SSV_TRANSFER && task->problem->scenario.ring_angle_given;
+    const bool given = task->phase == SSV_TRANSFER && task->question->problem->scenario.ring_angle_given;
     real_t step[SSV_NUM_TRANSFER];
     for (int k = 0; k < num; k++) step[k] = given && k == SSV_X_SPIN ? REAL(0) : first_step[k];
     for (int n = 0; n < stage->sweeps; n++) {
@@ -248,18 +249,19 @@ static int draw(ssv_task_t* carry, ssv_handling_t* handling, int kinds, int star
     return num;
 }
 
-real_t ssv_optimal_flights(const ssv_problem_t* problem, const ssv_handling_t* handling, int contact, real_t height_m) {
-    const ssv_scenario_t* s = &problem->scenario;
-    const ssv_task_t carry = ssv_transfer_task(problem, contact, height_m);
+real_t ssv_optimal_flights(const ssv_question_t* question, const ssv_handling_t* handling, int contact,
+                           real_t height_m) {
+    const ssv_scenario_t* s = &question->problem->scenario;
+    const ssv_task_t carry = ssv_transfer_task(question, contact, height_m);
     const real_t there = vec3_norm(vec3_sub(carry.hold_I[0], s->X_IS.p));
     const real_t on = vec3_norm(vec3_sub(carry.hold_I[1], carry.hold_I[0]));
     return real_mul(handling->least, real_max(REAL(0), there - s->standoff_m) +
                                          real_max(REAL(0), on - real_mul(REAL(2), s->standoff_m)));
 }
 
-real_t ssv_optimal_look(const ssv_problem_t* problem, ssv_search_t* search, int contact, real_t height_m,
+real_t ssv_optimal_look(const ssv_question_t* question, ssv_search_t* search, int contact, real_t height_m,
                         const real_t* to_beat, int* num_priced) {
-    ssv_task_t carry = ssv_transfer_task(problem, contact, height_m);
+    ssv_task_t carry = ssv_transfer_task(question, contact, height_m);
     ssv_start_t* list = search->start;
     const int num = draw(&carry, &search->handling, LOOK_KINDS, SSV_LOOK_STARTS / LOOK_KINDS, list);
     // Where transfers cost the same, their transits decide, and where these do too, refinement.
@@ -295,10 +297,10 @@ SSV_OWN_FRAME static void find(ssv_task_t* carry, ssv_search_t* search, const bu
     refine(carry, &budget->caution, &budget->joint, transfer, &price);
 }
 
-static void fly(const ssv_problem_t* problem, const ssv_motion_t* motion, ssv_flight_t* flight) {
+static void fly(const ssv_question_t* question, const ssv_motion_t* motion, ssv_flight_t* flight) {
     flight->num_moves = SSV_MAX_PHASE_MOVES;
     for (int k = 0; k < SSV_MAX_PHASE_MOVES; k++) flight->move[k] = motion->move[k];
-    ssv_flight_price(problem, &motion->assembly, NULL, flight);
+    ssv_flight_price(question, &motion->assembly, NULL, flight);
 }
 
 // The exact price of what was found, and its chain in *best if that is cheaper.
@@ -309,18 +311,18 @@ SSV_OWN_FRAME static ssv_candidate_t price_exactly(const ssv_task_t* carry, cons
     ssv_trial_lay(carry, transfer, &motion);
     const ssv_grasp_t grasp = ssv_trial_grasp(carry, &motion.X_from);
     const pose_t X_SB = motion.assembly.X_SB;
-    fly(carry->problem, &motion, &to_port);
+    fly(carry->question, &motion, &to_port);
     const ssv_task_t go = ssv_transit_task(carry, &motion.X_from);
     ssv_trial_lay(&go, transit, &motion);
-    fly(carry->problem, &motion, &to_beam);
+    fly(carry->question, &motion, &to_beam);
     const ssv_price_t price = ssv_chain_price(&to_beam, &to_port);
     if (ssv_price_beats(&price, &best->price)) ssv_chain_join(&grasp, &to_beam, &to_port, X_SB, best);
     return ssv_candidate_of(&grasp, &price);
 }
 
-ssv_candidate_t ssv_search_optimal(const ssv_problem_t* problem, ssv_search_t* search, int contact, real_t height_m,
+ssv_candidate_t ssv_search_optimal(const ssv_question_t* question, ssv_search_t* search, int contact, real_t height_m,
                                    ssv_effort_t effort, ssv_chain_t* best, int* num_priced) {
-    ssv_task_t carry = ssv_transfer_task(problem, contact, height_m);
+    ssv_task_t carry = ssv_transfer_task(question, contact, height_m);
     carry.closeness = budgets[effort].closeness;
     ssv_trial_t transfer, transit;
     find(&carry, search, &budgets[effort], &transfer, &transit);

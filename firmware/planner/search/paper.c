@@ -3,20 +3,19 @@
 #include "planner/search/search.h"
 
 // What a straight flight costs at least. With the drag of a beam some thruster may have less to do than without.
-static real_t straight_price(const ssv_problem_t* problem, const ssv_assembly_t* assembly,
+static real_t straight_price(const ssv_question_t* question, const ssv_assembly_t* assembly,
                              const ssv_move_t* translation) {
     const ssv_beam_t* beam = assembly->beam;
     const bool beam_drags = beam != NULL && (beam->drag_strip_kg_m2 > REAL(0) || beam->body.drag_lin_kg_s > REAL(0) ||
                                              beam->body.drag_quad_kg_m > REAL(0));
     const real_t per_metre =
-        beam_drags ? ssv_least_metre_price(&problem->scenario) : ssv_metre_price(problem, translation->twist.v);
+        beam_drags ? ssv_least_metre_price(question) : ssv_metre_price(question, translation->twist.v);
     return real_mul(translation->length, per_metre);
 }
 
 // Fly to the grasp with the attitude held, then turn +x onto the beam's axis the shortest way. Half a turn has no
 // shortest way: axis k of several. @return how many there are.
-static int lay_transit(const ssv_problem_t* problem, const ssv_grasp_t* grasp, int k, ssv_flight_t* flight) {
-    const ssv_scenario_t* scenario = &problem->scenario;
+static int lay_transit(const ssv_scenario_t* scenario, const ssv_grasp_t* grasp, int k, ssv_flight_t* flight) {
     const quat_t q_SI = quat_conj(scenario->X_IS.q);
     const vec3_t d_S = quat_apply(q_SI, vec3_sub(ssv_grasp_position(scenario, grasp), scenario->X_IS.p));
     const vec3_t goal_S = quat_apply(q_SI, vec3_neg(ssv_grasp_radial(scenario, grasp)));
@@ -31,9 +30,8 @@ static int lay_transit(const ssv_problem_t* problem, const ssv_grasp_t* grasp, i
 
 // Turn about C until the beam's outward axis faces the port, then fly its contact there. @return how many axes there
 // are.
-static int lay_transfer(const ssv_problem_t* problem, const ssv_assembly_t* pair, int contact, pose_t X_IS, int k,
+static int lay_transfer(const ssv_scenario_t* scenario, const ssv_assembly_t* pair, int contact, pose_t X_IS, int k,
                         ssv_flight_t* flight) {
-    const ssv_scenario_t* scenario = &problem->scenario;
     const vec3_t p_BE = ssv_grasp_contact(scenario, contact);
     const vec3_t outward_S = quat_apply(pair->X_SB.q, vec3_unit(p_BE));
     const vec3_t goal_S = quat_apply(quat_conj(X_IS.q), vec3_neg(scenario->axis_I));
@@ -60,47 +58,49 @@ static pose_t end_of(const ssv_flight_t* flight, pose_t X_IS) {
 
 // Whether a grasp cannot cost less than this: by its straight flights, or by an estimate with the optimal profile,
 // which no ramp betters. As far as it does not hang on a choice of axis.
-static bool costs_at_least(const ssv_problem_t* problem, const ssv_grasp_t* grasp, real_t price) {
-    const ssv_assembly_t alone = ssv_vehicle_alone(problem);
+static bool costs_at_least(const ssv_question_t* question, const ssv_grasp_t* grasp, real_t price) {
+    const ssv_scenario_t* scenario = &question->problem->scenario;
+    const ssv_assembly_t alone = ssv_vehicle_alone(question->problem);
     ssv_flight_t flight;
-    const int num_axes = lay_transit(problem, grasp, 0, &flight);
-    const real_t to_beam = straight_price(problem, &alone, &flight.move[0]);
+    const int num_axes = lay_transit(scenario, grasp, 0, &flight);
+    const real_t to_beam = straight_price(question, &alone, &flight.move[0]);
     if (num_axes > 1 || to_beam >= price) return to_beam >= price;
-    const pose_t X_IS = end_of(&flight, problem->scenario.X_IS);
-    const ssv_assembly_t pair = ssv_vehicle_with_beam(problem, grasp->height_m, X_IS.q);
+    const pose_t X_IS = end_of(&flight, scenario->X_IS);
+    const ssv_assembly_t pair = ssv_vehicle_with_beam(question->problem, grasp->height_m, X_IS.q);
     ssv_flight_t to_port;
-    if (lay_transfer(problem, &pair, grasp->contact, X_IS, 0, &to_port) > 1) return false;
-    if (to_beam + straight_price(problem, &pair, &to_port.move[1]) >= price) return true;
+    if (lay_transfer(scenario, &pair, grasp->contact, X_IS, 0, &to_port) > 1) return false;
+    if (to_beam + straight_price(question, &pair, &to_port.move[1]) >= price) return true;
     real_t estimate[2];
-    return ssv_moves_estimate(problem, &alone, flight.move, flight.num_moves, SSV_ESTIMATE_CLOSELY, &estimate[0]) &&
-           ssv_moves_estimate(problem, &pair, to_port.move, to_port.num_moves, SSV_ESTIMATE_CLOSELY, &estimate[1]) &&
+    return ssv_moves_estimate(question, &alone, flight.move, flight.num_moves, SSV_ESTIMATE_CLOSELY, &estimate[0]) &&
+           ssv_moves_estimate(question, &pair, to_port.move, to_port.num_moves, SSV_ESTIMATE_CLOSELY, &estimate[1]) &&
            estimate[0] + estimate[1] >= real_mul(ESTIMATE_MARGIN, price);
 }
 
-bool ssv_search_paper(const ssv_problem_t* problem, int contact, real_t height_m, const ssv_price_t* to_beat,
+bool ssv_search_paper(const ssv_question_t* question, int contact, real_t height_m, const ssv_price_t* to_beat,
                       ssv_flight_t* to_beam, ssv_chain_t* best, int* num_priced) {
-    const ssv_assembly_t alone = ssv_vehicle_alone(problem);
+    const ssv_scenario_t* scenario = &question->problem->scenario;
+    const ssv_assembly_t alone = ssv_vehicle_alone(question->problem);
     real_t ring_angle_rad[SSV_NUM_RING_ANGLES];
-    const int num_rings = ssv_grasp_ring_angles(&problem->scenario, ring_angle_rad);
+    const int num_rings = ssv_grasp_ring_angles(scenario, ring_angle_rad);
     const bool may_skip = to_beat != NULL && to_beat->outcome == SSV_FEASIBLE;
     bool found = false;
     for (int ring = 0; ring < num_rings; ring++) {
         const ssv_grasp_t grasp = {contact, height_m, ring_angle_rad[ring]};
         ssv_flight_t trial, to_port;
-        if (may_skip && costs_at_least(problem, &grasp, to_beat->cost)) continue;
+        if (may_skip && costs_at_least(question, &grasp, to_beat->cost)) continue;
         int num_axes = 1;
         for (int k = 0; k < num_axes; k++) {
-            num_axes = lay_transit(problem, &grasp, k, &trial);
-            ssv_flight_price(problem, &alone, to_beam, &trial);
+            num_axes = lay_transit(scenario, &grasp, k, &trial);
+            ssv_flight_price(question, &alone, to_beam, &trial);
             if (k == 0 || ssv_price_beats(&trial.price, &to_beam->price)) *to_beam = trial;
             *num_priced += k > 0 ? 1 : 0;
         }
-        const pose_t X_mate = end_of(to_beam, problem->scenario.X_IS);
-        const ssv_assembly_t pair = ssv_vehicle_with_beam(problem, height_m, X_mate.q);
+        const pose_t X_mate = end_of(to_beam, scenario->X_IS);
+        const ssv_assembly_t pair = ssv_vehicle_with_beam(question->problem, height_m, X_mate.q);
         num_axes = 1;
         for (int k = 0; k < num_axes; k++) {
-            num_axes = lay_transfer(problem, &pair, contact, X_mate, k, &trial);
-            ssv_flight_price(problem, &pair, NULL, &trial);
+            num_axes = lay_transfer(scenario, &pair, contact, X_mate, k, &trial);
+            ssv_flight_price(question, &pair, NULL, &trial);
             if (k == 0 || ssv_price_beats(&trial.price, &to_port.price)) to_port = trial;
             *num_priced += 1;
         }

@@ -84,7 +84,7 @@ static void turns_at(const ssv_rolled_turns_t* rolled, vec3_t axis_S, ssv_turns_
 
 // What the turn q (in axes of the body) costs, roughly: W1 angle / v for the way, and for reaching v both what inertia
 // and what drag ask.
-static real_t turn_guess(const ssv_scenario_t* scenario, const ssv_turns_t* turns, quat_t q) {
+static real_t turn_guess(const ssv_question_t* question, const ssv_turns_t* turns, quat_t q) {
     const vec3_t e = vec3(q.x, q.y, q.z);
     const real_t sine = vec3_norm(e), versine = REAL(1) - real_abs(q.w);
     if (sine < REAL(1e-4)) return REAL(0);
@@ -102,8 +102,8 @@ static real_t turn_guess(const ssv_scenario_t* scenario, const ssv_turns_t* turn
             sum[part] += real_abs(u);
         }
     }
-    const real_t W1 = ssv_leg_weight_time(scenario), W2 = scenario->weight_impulse_per_Ns;
-    const real_t F = scenario->vehicle.force_max_N, way = real_mul(W1, angle);
+    const real_t W1 = ssv_leg_weight_time(question), W2 = question->weight_impulse_per_Ns;
+    const real_t F = question->problem->scenario.vehicle.force_max_N, way = real_mul(W1, angle);
     const real_t rise =
         real_div(real_mul(W1, most[SSV_TURN_ACCEL]), F) +
         real_mul(W2, real_mul(REAL(1.5), sum[SSV_TURN_ACCEL]) + real_mul(angle, sum[SSV_TURN_QUADRATIC]));
@@ -114,14 +114,14 @@ static real_t turn_guess(const ssv_scenario_t* scenario, const ssv_turns_t* turn
 
 // Where thrusters are not square to each other, the cheapest directions are somewhat off the axes, edges and diagonals:
 // steps along each axis, to whichever side is cheaper.
-static void better(const ssv_problem_t* problem, vec3_t* n, real_t* price) {
+static void better(const ssv_question_t* question, vec3_t* n, real_t* price) {
     static const real_t steps[] = {REAL(0.04), REAL(0.02), REAL(0.01)};
     for (int k = 0; k < 3 * (int)(sizeof steps / sizeof steps[0]); k++) {
         const real_t step = steps[k / 3];
         const vec3_t aside =
             vec3(k % 3 == 0 ? step : REAL(0), k % 3 == 1 ? step : REAL(0), k % 3 == 2 ? step : REAL(0));
         const vec3_t next[2] = {vec3_unit(vec3_add(*n, aside)), vec3_unit(vec3_sub(*n, aside))};
-        const real_t there[2] = {ssv_metre_price(problem, next[0]), ssv_metre_price(problem, next[1])};
+        const real_t there[2] = {ssv_metre_price(question, next[0]), ssv_metre_price(question, next[1])};
         const int side = there[0] < there[1] ? 0 : 1;
         const real_t other = real_min(*price, there[1 - side]);
         if (!(there[side] < other - real_mul(SSV_EVEN, other))) continue;
@@ -130,7 +130,7 @@ static void better(const ssv_problem_t* problem, vec3_t* n, real_t* price) {
     }
 }
 
-void ssv_handling(const ssv_problem_t* problem, ssv_handling_t* d) {
+void ssv_handling(const ssv_question_t* question, ssv_handling_t* d) {
     real_t price[SSV_NUM_DIRECTIONS], least = REAL(0);
     vec3_t n[SSV_NUM_DIRECTIONS];
     bool upright[SSV_NUM_DIRECTIONS];
@@ -141,7 +141,7 @@ void ssv_handling(const ssv_problem_t* problem, ssv_handling_t* d) {
                 if (x == 0 && y == 0 && z == 0) continue;
                 n[num] = vec3_unit(vec3(real_from_int(x), real_from_int(y), real_from_int(z)));
                 upright[num] = z > 0 || (z == 0 && y >= 0);
-                price[num] = ssv_metre_price(problem, n[num]);
+                price[num] = ssv_metre_price(question, n[num]);
                 if (num == 0 || price[num] < least) least = price[num];
                 num++;
             }
@@ -152,21 +152,20 @@ void ssv_handling(const ssv_problem_t* problem, ssv_handling_t* d) {
     for (int up = 1; up >= 0; up--) {
         for (int k = 0; k < num; k++) {
             if (price[k] > real_mul(DIRECTION_SLACK, least) || upright[k] != (up == 1)) continue;
-            better(problem, &n[k], &price[k]);
+            better(question, &n[k], &price[k]);
             d->n[d->num] = n[k];
             d->price[d->num++] = price[k];
         }
         if (up == 1) d->num_upright = d->num;
     }
-    const ssv_assembly_t alone = ssv_vehicle_alone(problem);
-    roll_turns(problem, &alone, &d->rolled);
+    const ssv_assembly_t alone = ssv_vehicle_alone(question->problem);
+    roll_turns(question->problem, &alone, &d->rolled);
     turns_at(&d->rolled, vec3(REAL(0), REAL(1), REAL(0)), &d->turns);
-    d->either_way_up = serves_both_ways_up(problem);
+    d->either_way_up = serves_both_ways_up(question->problem);
     if (!d->either_way_up) d->num_upright = d->num;
 }
 
 int ssv_draw_transit(const ssv_task_t* task, const ssv_handling_t* handling, int most, ssv_start_t* list) {
-    const ssv_scenario_t* s = &task->problem->scenario;
     const vec3_t way = vec3_sub(task->hold_I[1], task->hold_I[0]);
     const real_t distance = vec3_norm(way);
     const bool flies = distance > SSV_NO_WAY_M;
@@ -175,7 +174,7 @@ int ssv_draw_transit(const ssv_task_t* task, const ssv_handling_t* handling, int
     int num = 0;
     for (int k = -SSV_NUM_ENDS; k < (flies ? handling->num : 0); k++) {
         const vec3_t n_S = k < 0 ? quat_apply(quat_conj(q_end[k + SSV_NUM_ENDS]), direction_I) : handling->n[k];
-        const real_t fly = real_mul(distance, k < 0 ? ssv_metre_price(task->problem, n_S) : handling->price[k]);
+        const real_t fly = real_mul(distance, k < 0 ? ssv_metre_price(task->question, n_S) : handling->price[k]);
         if (num == most && fly >= list[most - 1].price) continue;
         quat_t q[SSV_NUM_ENDS];
         for (int end = 0; end < SSV_NUM_ENDS; end++) {
@@ -183,9 +182,9 @@ int ssv_draw_transit(const ssv_task_t* task, const ssv_handling_t* handling, int
         }
         // Rolled about the way so that one of the turns is the smallest.
         for (int end = 0; end < (flies ? SSV_NUM_ENDS : 1); end++) {
-            const real_t to = fly + turn_guess(s, &handling->turns, quat_mul(quat_conj(q_end[0]), q[end]));
+            const real_t to = fly + turn_guess(task->question, &handling->turns, quat_mul(quat_conj(q_end[0]), q[end]));
             if (num == most && to >= list[most - 1].price) continue;
-            const real_t from = turn_guess(s, &handling->turns, quat_mul(quat_conj(q[end]), q_end[1]));
+            const real_t from = turn_guess(task->question, &handling->turns, quat_mul(quat_conj(q[end]), q_end[1]));
             const ssv_trial_t trial = {.q_IT = q[end], .n_S = n_S};
             keep(list, &num, most, &trial, to + from);
         }
@@ -224,7 +223,7 @@ static real_t distance_between(const vec3_t p[SSV_NUM_ENDS]) { return vec3_norm(
 // Keeps a trial, and the same with the turn at one end spun about the beam's axis there, by their guessed prices.
 static void keep_spins(const ssv_task_t* task, const ssv_turns_t* turns, int spun_end, int num_spins,
                        real_t metre_price, real_t swing, ssv_trial_t* trial, int most, ssv_start_t* list, int* num) {
-    const ssv_scenario_t* s = &task->problem->scenario;
+    const ssv_scenario_t* s = &task->question->problem->scenario;
     const vec3_t ahead = vec3(s->standoff_m, REAL(0), REAL(0));
     const int other_end = 1 - spun_end;
     ssv_attitudes_t a;
@@ -232,21 +231,23 @@ static void keep_spins(const ssv_task_t* task, const ssv_turns_t* turns, int spu
     const quat_t unspun = a.q_IS[spun_end];
     vec3_t p_IS[SSV_NUM_ENDS];
     p_IS[other_end] = vec3_sub(task->hold_I[other_end], quat_apply(a.q_IS[other_end], ahead));
-    real_t price = turn_guess(s, turns, quat_mul(quat_conj(a.q_IS[other_end]), a.q_IT[other_end]));
-    if (swing > REAL(0)) price += real_mul(swing, turn_guess(s, turns, quat_mul(quat_conj(a.q_IT[0]), a.q_IT[1])));
+    real_t price = turn_guess(task->question, turns, quat_mul(quat_conj(a.q_IS[other_end]), a.q_IT[other_end]));
+    if (swing > REAL(0))
+        price += real_mul(swing, turn_guess(task->question, turns, quat_mul(quat_conj(a.q_IT[0]), a.q_IT[1])));
     for (int spin = 0; spin < num_spins; spin++) {
         const quat_t q_IS =
             spin > 0 ? quat_mul(ssv_spin(task->transfer.axis_I[spun_end], spin, REAL(0)), unspun) : unspun;
         trial->spin[spun_end] = spin;
         p_IS[spun_end] = vec3_sub(task->hold_I[spun_end], quat_apply(q_IS, ahead));
         const real_t fly = real_mul(distance_between(p_IS), metre_price);
-        keep(list, num, most, trial, price + fly + turn_guess(s, turns, quat_mul(quat_conj(q_IS), a.q_IT[spun_end])));
+        keep(list, num, most, trial,
+             price + fly + turn_guess(task->question, turns, quat_mul(quat_conj(q_IS), a.q_IT[spun_end])));
     }
 }
 
 int ssv_draw_transfer(const ssv_task_t* task, ssv_handling_t* handling, ssv_carry_t carry, int most,
                       ssv_start_t* list) {
-    const ssv_scenario_t* s = &task->problem->scenario;
+    const ssv_scenario_t* s = &task->question->problem->scenario;
     const vec3_t* axis_I = task->transfer.axis_I;
     const vec3_t way = vec3_sub(task->hold_I[1], task->hold_I[0]);
     const vec3_t direction_I = vec3_norm(way) > SSV_NO_WAY_M ? vec3_unit(way) : axis_I[0];
@@ -256,7 +257,7 @@ int ssv_draw_transfer(const ssv_task_t* task, ssv_handling_t* handling, ssv_carr
                                      {vec3(s->standoff_m, -task->height_m, REAL(0)),
                                       quat_between(vec3(REAL(0), REAL(0), REAL(1)), vec3(REAL(0), REAL(1), REAL(0)))}};
     int num = 0;
-    roll_turns(task->problem, &assembly, &handling->rolled);
+    roll_turns(task->question->problem, &assembly, &handling->rolled);
     for (int variant = 0; variant < (carry == SSV_SWUNG ? SSV_NUM_SPINS : SSV_NUM_ENDS); variant++) {
         if (carry == SSV_SWUNG && variant > LAST_SWING && variant < SSV_NUM_SPINS - LAST_SWING) continue;
         // A swing goes from where the beam lies to where it docks, half of it before the middle of the way.

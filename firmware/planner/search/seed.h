@@ -50,7 +50,7 @@ typedef struct {
     ssv_turns_t carried;              ///< and as it is held
 } ssv_handling_t;
 
-void ssv_handling(const ssv_problem_t* problem, ssv_handling_t* handling);
+void ssv_handling(const ssv_question_t* question, ssv_handling_t* handling);
 
 /// A place where the search may start.
 typedef struct {

@@ -1,6 +1,7 @@
 // The choice among the candidates, and what it costs (DESIGN.md 6).
 #include "planner/search/select.h"
 
+#include "planner/search/bound.h"
 #include "planner/search/search.h"
 
 // The cheapest candidate that is still feasible; -1 if there is none.
@@ -30,14 +31,14 @@ static void list_candidates(const ssv_scenario_t* scenario, ssv_quote_t* quote) 
 }
 
 // The paper's chain of each candidate that may be cheaper than what is known.
-static void search_paper(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
+static void search_paper(const ssv_question_t* question, ssv_quote_t* quote, ssv_chain_t* best) {
     const ssv_price_t to_beat = best->price;
     ssv_chain_t chain;
     ssv_flight_t to_beam = {.num_moves = 0};
     for (int k = 0; k < quote->num_candidates; k++) {
         ssv_candidate_t* candidate = &quote->candidate[k];
         const int contact = candidate->contact;
-        if (!ssv_search_paper(problem, contact, candidate->attach_height_m, &to_beat, &to_beam, &chain,
+        if (!ssv_search_paper(question, contact, candidate->attach_height_m, &to_beat, &to_beam, &chain,
                               &quote->num_priced))
             continue;
         improve(candidate, ssv_candidate_of(&chain.grasp, &chain.price));
@@ -60,24 +61,24 @@ static int least_of(const real_t price[SSV_MAX_CANDIDATES], const bool done[SSV_
 }
 
 // Searches a candidate, with a look before if effort quick needs one.
-static ssv_candidate_t search_at(const ssv_problem_t* problem, ssv_search_t* search, int contact, real_t height_m,
+static ssv_candidate_t search_at(const ssv_question_t* question, ssv_search_t* search, int contact, real_t height_m,
                                  ssv_effort_t effort, bool looked, ssv_chain_t* best, int* num_priced) {
     if (!looked && effort == SSV_EFFORT_QUICK)
-        (void)ssv_optimal_look(problem, search, contact, height_m, NULL, num_priced);
-    return ssv_search_optimal(problem, search, contact, height_m, effort, best, num_priced);
+        (void)ssv_optimal_look(question, search, contact, height_m, NULL, num_priced);
+    return ssv_search_optimal(question, search, contact, height_m, effort, best, num_priced);
 }
 
 // A look at the candidates with short ways, then a search of the most promising; of all if all are to be listed.
-SSV_OWN_FRAME static void search_optimal(const ssv_problem_t* problem, ssv_search_t* search, ssv_effort_t effort,
+SSV_OWN_FRAME static void search_optimal(const ssv_question_t* question, ssv_search_t* search, ssv_effort_t effort,
                                          ssv_quote_t* quote, ssv_chain_t* best) {
-    const bool all = problem->scenario.want_candidates;
+    const bool all = question->list_candidates;
     real_t promise[SSV_MAX_CANDIDATES], turns = REAL(0);
     int favourite = -1; // after the looks so far
     bool looked[SSV_MAX_CANDIDATES] = {false}, done[SSV_MAX_CANDIDATES] = {false};
-    ssv_handling(problem, &search->handling);
+    ssv_handling(question, &search->handling);
     for (int k = 0; k < quote->num_candidates; k++) {
         const ssv_candidate_t* candidate = &quote->candidate[k];
-        promise[k] = ssv_optimal_flights(problem, &search->handling, candidate->contact, candidate->attach_height_m);
+        promise[k] = ssv_optimal_flights(question, &search->handling, candidate->contact, candidate->attach_height_m);
     }
     for (int n = 0; n < quote->num_candidates; n++) {
         const int next = least_of(promise, looked, quote->num_candidates);
@@ -89,7 +90,7 @@ SSV_OWN_FRAME static void search_optimal(const ssv_problem_t* problem, ssv_searc
         done[next] =
             !all && to_beat != NULL && (n >= num_looks[effort] || flights + real_mul(REAL(0.5), turns) >= *to_beat);
         if (done[next]) continue;
-        promise[next] = ssv_optimal_look(problem, search, candidate->contact, candidate->attach_height_m, to_beat,
+        promise[next] = ssv_optimal_look(question, search, candidate->contact, candidate->attach_height_m, to_beat,
                                          &quote->num_priced);
         if (to_beat != NULL && !ssv_clearly_less(promise[next], *to_beat)) continue;
         favourite = next;
@@ -104,7 +105,7 @@ SSV_OWN_FRAME static void search_optimal(const ssv_problem_t* problem, ssv_searc
         if (n > 0 && !all && hopeless) break;
         ssv_candidate_t* candidate = &quote->candidate[next];
         done[next] = true;
-        improve(candidate, search_at(problem, search, candidate->contact, candidate->attach_height_m, effort, n == 0,
+        improve(candidate, search_at(question, search, candidate->contact, candidate->attach_height_m, effort, n == 0,
                                      best, &quote->num_priced));
     }
 }
@@ -113,9 +114,9 @@ SSV_OWN_FRAME static void search_optimal(const ssv_problem_t* problem, ssv_searc
 // search.
 #define FIRST_HEIGHT_STEP REAL(0.125) // of the beam
 #define NUM_HEIGHT_STEPS 6
-static void search_along_beam(const ssv_problem_t* problem, ssv_search_t* search, ssv_quote_t* quote,
+static void search_along_beam(const ssv_question_t* question, ssv_search_t* search, ssv_quote_t* quote,
                               ssv_chain_t* best) {
-    const real_t length = problem->scenario.beam.length_m, end = real_mul(REAL(0.5), length);
+    const real_t length = question->problem->scenario.beam.length_m, end = real_mul(REAL(0.5), length);
     real_t step = real_mul(FIRST_HEIGHT_STEP, length);
     for (int n = 0; n < NUM_HEIGHT_STEPS && best->price.outcome == SSV_FEASIBLE; n++) {
         const real_t from = best->grasp.height_m;
@@ -123,82 +124,81 @@ static void search_along_beam(const ssv_problem_t* problem, ssv_search_t* search
             const real_t height = real_max(-end, real_min(end, side < 0 ? from - step : from + step));
             if (height == from) continue;
             const int contact = best->grasp.contact;
-            (void)search_at(problem, search, contact, height, SSV_EFFORT_QUICK, false, best, &quote->num_priced);
+            (void)search_at(question, search, contact, height, SSV_EFFORT_QUICK, false, best, &quote->num_priced);
         }
         if (best->grasp.height_m == from) step = real_mul(REAL(0.5), step);
     }
 }
 
-_Static_assert(sizeof(ssv_search_t) <= sizeof(((ssv_problem_t*)0)->work),
-               "the search fits the problem's memory for it");
+// Effort best: every candidate, and the best height between them.
+static void search_closely(const ssv_question_t* question, ssv_search_t* search, ssv_quote_t* quote,
+                           ssv_chain_t* best) {
+    const bool between = question->problem->scenario.attach_anywhere && best->price.outcome == SSV_FEASIBLE;
+    const int contact = between ? best->grasp.contact : 0;
+    const real_t height_m = between ? best->grasp.height_m : REAL(0);
+    search_optimal(question, search, SSV_EFFORT_BEST, quote, best);
+    if (!between) return;
+    (void)ssv_search_optimal(question, search, contact, height_m, SSV_EFFORT_BEST, best, &quote->num_priced);
+}
+
+_Static_assert(sizeof(ssv_search_t) <= sizeof(ssv_work_t), "the search fits the memory to work in");
+_Static_assert(_Alignof(ssv_search_t) <= _Alignof(ssv_work_t), "the search may stand where that memory is");
 
 // An empty quote with the candidates that there are.
-static void begin(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
+static void begin(const ssv_question_t* question, ssv_quote_t* quote, ssv_chain_t* best) {
     memset(quote, 0, sizeof *quote);
     quote->status = SSV_INFEASIBLE;
-    quote->scenario_hash = problem->scenario_hash;
+    quote->scenario_hash = question->problem->scenario_hash;
     best->price.outcome = SSV_TOO_LONG;
-    list_candidates(&problem->scenario, quote);
+    list_candidates(&question->problem->scenario, quote);
 }
 
-bool ssv_choose_paper(const ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
-    begin(problem, quote, best);
-    search_paper(problem, quote, best);
-    return best->price.outcome == SSV_FEASIBLE;
-}
-
-bool ssv_choose(ssv_problem_t* problem, ssv_quote_t* quote, ssv_chain_t* best) {
-    const ssv_scenario_t* scenario = &problem->scenario;
-    if (scenario->method == SSV_METHOD_PAPER) return ssv_choose_paper(problem, quote, best);
-    begin(problem, quote, best);
-    // More effort starts with what less effort does, and the paper's chains follow where these could still be cheaper:
-    // neither ever costs more.
-    ssv_search_t* search = (ssv_search_t*)problem->work;
-    search_optimal(problem, search, SSV_EFFORT_QUICK, quote, best);
-    if (scenario->attach_anywhere) search_along_beam(problem, search, quote, best);
-    if (scenario->effort == SSV_EFFORT_BEST) {
-        const bool between = scenario->attach_anywhere && best->price.outcome == SSV_FEASIBLE;
-        const int contact = between ? best->grasp.contact : 0;
-        const real_t height_m = between ? best->grasp.height_m : REAL(0);
-        search_optimal(problem, search, SSV_EFFORT_BEST, quote, best);
-        if (between)
-            (void)ssv_search_optimal(problem, search, contact, height_m, SSV_EFFORT_BEST, best, &quote->num_priced);
+bool ssv_choose(const ssv_question_t* question, ssv_work_t* work, ssv_quote_t* quote, ssv_chain_t* best) {
+    const ssv_scenario_t* scenario = &question->problem->scenario;
+    begin(question, quote, best);
+    if (question->method == SSV_METHOD_OPTIMAL) {
+        // More effort starts with what less effort does, and the paper's chains follow where these could still be
+        // cheaper: neither ever costs more.
+        ssv_search_t* search = (ssv_search_t*)work;
+        search_optimal(question, search, SSV_EFFORT_QUICK, quote, best);
+        if (scenario->attach_anywhere) search_along_beam(question, search, quote, best);
+        if (scenario->effort == SSV_EFFORT_BEST) search_closely(question, search, quote, best);
     }
-    search_paper(problem, quote, best);
+    search_paper(question, quote, best);
     return best->price.outcome == SSV_FEASIBLE;
 }
 
-bool ssv_choose_another(const ssv_problem_t* problem, ssv_outcome_t outcome, ssv_quote_t* quote, ssv_chain_t* chain) {
+bool ssv_choose_another(const ssv_question_t* question, ssv_outcome_t outcome, ssv_quote_t* quote, ssv_chain_t* chain) {
     int k = cheapest(quote);
     if (k >= 0) quote->candidate[k].outcome = outcome;
     k = cheapest(quote);
     if (k < 0) return false;
     const ssv_candidate_t* candidate = &quote->candidate[k];
     ssv_flight_t to_beam = {.num_moves = 0};
-    (void)ssv_search_paper(problem, candidate->contact, candidate->attach_height_m, NULL, &to_beam, chain,
+    (void)ssv_search_paper(question, candidate->contact, candidate->attach_height_m, NULL, &to_beam, chain,
                            &quote->num_priced);
     return true;
 }
 
-void ssv_quote_settle(const ssv_problem_t* problem, const ssv_chain_t* chain, ssv_quote_t* quote) {
+void ssv_quote_settle(const ssv_question_t* question, const ssv_chain_t* chain, ssv_quote_t* quote) {
     quote->choice = ssv_candidate_of(&chain->grasp, &chain->price);
     quote->status = SSV_OK;
     quote->cost = quote->choice.cost;
     quote->time_s = quote->choice.time_s;
     quote->impulse_Ns = quote->choice.impulse_Ns;
-    quote->lower_bound = ssv_lower_bound(problem);
+    quote->lower_bound = ssv_least_price(question);
     for (int k = 0; k < quote->num_candidates; k++) {
         ssv_candidate_t* candidate = &quote->candidate[k];
         const bool chosen =
             candidate->contact == chain->grasp.contact && candidate->attach_height_m == chain->grasp.height_m;
         if (chosen) *candidate = quote->choice;
     }
-    if (problem->scenario.want_candidates) return;
+    if (question->list_candidates) return;
     quote->num_candidates = 0;
     memset(quote->candidate, 0, sizeof quote->candidate);
 }
 
-ssv_status_t ssv_quote_conclude(const ssv_problem_t* problem, uint32_t overflows, ssv_quote_t* quote) {
+ssv_status_t ssv_quote_conclude(const ssv_question_t* question, uint32_t overflows, ssv_quote_t* quote) {
     if (real_overflows() == overflows && real_is_finite(quote->cost)) {
         // What motions that did not fit a plan added up is no price.
         if (quote->status != SSV_OK) quote->cost = quote->time_s = quote->impulse_Ns = REAL(0);
@@ -206,15 +206,20 @@ ssv_status_t ssv_quote_conclude(const ssv_problem_t* problem, uint32_t overflows
     }
     memset(quote, 0, sizeof *quote);
     quote->status = SSV_NUMERIC_OVERFLOW;
-    quote->scenario_hash = problem->scenario_hash;
+    quote->scenario_hash = question->problem->scenario_hash;
     return quote->status;
 }
 
-ssv_status_t ssv_quote(ssv_problem_t* problem, ssv_quote_t* quote) {
+static ssv_status_t quote_of(const ssv_question_t* question, ssv_work_t* work, ssv_quote_t* quote) {
     const uint32_t overflows = real_overflows();
     ssv_chain_t chain;
-    if (ssv_choose(problem, quote, &chain)) ssv_quote_settle(problem, &chain, quote);
-    return ssv_quote_conclude(problem, overflows, quote);
+    if (ssv_choose(question, work, quote, &chain)) ssv_quote_settle(question, &chain, quote);
+    return ssv_quote_conclude(question, overflows, quote);
+}
+
+ssv_status_t ssv_quote(const ssv_problem_t* problem, ssv_work_t* work, ssv_quote_t* quote) {
+    const ssv_question_t question = ssv_question_of(problem);
+    return quote_of(&question, work, quote);
 }
 
 // ---- Front
@@ -245,10 +250,8 @@ static void front_add(ssv_front_t* front, const ssv_candidate_t* point, int spar
     front->point[k] = *point;
 }
 
-ssv_status_t ssv_front(ssv_problem_t* problem, ssv_front_t* front) {
-    ssv_scenario_t* scenario = &problem->scenario;
-    const real_t weight_time = scenario->weight_time_per_s, weight_impulse = scenario->weight_impulse_per_Ns;
-    const bool want_candidates = scenario->want_candidates;
+ssv_status_t ssv_front(const ssv_problem_t* problem, ssv_work_t* work, ssv_front_t* front) {
+    const ssv_question_t own = ssv_question_of(problem);
     const uint32_t overflows = real_overflows();
     ssv_quote_t quote;
     memset(front, 0, sizeof *front);
@@ -256,12 +259,13 @@ ssv_status_t ssv_front(ssv_problem_t* problem, ssv_front_t* front) {
     front->scenario_hash = problem->scenario_hash;
     for (int n = 0; n < NUM_RUNGS; n++) {
         // The last rung is the scenario itself, as it was asked, so that its own price is among the points.
-        const bool itself = n == NUM_RUNGS - 1;
-        scenario->want_candidates = !itself || want_candidates;
-        scenario->weight_time_per_s = itself ? weight_time : rungs[n][0];
-        scenario->weight_impulse_per_Ns =
-            itself ? weight_impulse : real_div(rungs[n][1], scenario->vehicle.force_max_N);
-        if (ssv_quote(problem, &quote) != SSV_OK) continue;
+        ssv_question_t question = own;
+        if (n < NUM_RUNGS - 1) {
+            question.list_candidates = true;
+            question.weight_time_per_s = rungs[n][0];
+            question.weight_impulse_per_Ns = real_div(rungs[n][1], problem->scenario.vehicle.force_max_N);
+        }
+        if (quote_of(&question, work, &quote) != SSV_OK) continue;
         front->status = SSV_OK;
         front_add(front, &quote.choice, NUM_RUNGS - 1 - n);
         for (int k = 0; k < quote.num_candidates; k++) {
@@ -270,8 +274,8 @@ ssv_status_t ssv_front(ssv_problem_t* problem, ssv_front_t* front) {
     }
     for (int k = 0; k < front->num_points; k++) {
         ssv_candidate_t* point = &front->point[k];
-        point->cost = real_mul(scenario->weight_time_per_s, point->time_s) +
-                      real_mul(scenario->weight_impulse_per_Ns, point->impulse_Ns);
+        point->cost =
+            real_mul(own.weight_time_per_s, point->time_s) + real_mul(own.weight_impulse_per_Ns, point->impulse_Ns);
     }
     if (real_overflows() != overflows) {
         memset(front, 0, sizeof *front);
