@@ -76,6 +76,18 @@ _ssv_install_packages() {
         apt-get -o DPkg::Lock::Timeout=300 install -y --no-install-recommends $missing
 }
 
+# LCM comes as a wheel, and host/requirements.txt locks those that there are.
+_ssv_check_python() {
+    local found words
+    found=$(python3 -c 'import platform as p; print(p.python_implementation(), *p.python_version_tuple()[:2], p.machine())')
+    if [[ ! $found =~ ^CPython\ 3\ 1[0-4]\ (aarch64|x86_64)$ ]]; then
+        read -ra words <<<"$found"
+        _ssv_die "LCM 1.5.3 is to be had for CPython 3.10, 3.11, 3.12, 3.13 and 3.14 on aarch64 and x86_64; this is" \
+            "${words[0]} ${words[1]}.${words[2]} on ${words[3]} ($(command -v python3)). Put one of those first in PATH as" \
+            "python3. The planner library alone needs no LCM: cmake -DSSV_BUILD_HOST=OFF -DSSV_BUILD_TESTS=OFF"
+    fi
+}
+
 # build/venv with exactly host/requirements.txt; the stamp spares the second run the network.
 _ssv_make_venv() {
     local requirements=$SSV_ROOT/host/requirements.txt stamp=$SSV_BUILD/venv/requirements.stamp wanted
@@ -83,6 +95,7 @@ _ssv_make_venv() {
     if [[ -f $stamp && $(<"$stamp") == "$wanted" ]]; then
         return
     fi
+    _ssv_check_python
     _ssv_step "Making a Python environment" python3 -m venv --clear "$SSV_BUILD/venv"
     _ssv_step "Fetching LCM" "$SSV_PYTHON" -m pip install --no-deps --only-binary :all: --require-hashes -r "$requirements"
     printf '%s\n' "$wanted" >"$stamp"

@@ -8,7 +8,8 @@ import unittest
 from core import ROOT, code_of, in_a_cycle
 
 CORE_API = tuple(f"firmware/include/ssv/{name}.h"
-                 for name in ("planner", "plan", "scenario", "vec3", "real", "real_double", "real_float", "real_fixed"))
+                 for name in ("planner", "plan", "scenario", "timeline", "vec3", "real", "real_double", "real_float", "real_fixed"))
+TIMELINE_API = "firmware/include/ssv/timeline.h"
 ANSWER_API = "firmware/include/ssv/answer.h"
 
 # What each folder may include beside its own files and the C and POSIX headers: folders, public headers, libraries.
@@ -80,6 +81,8 @@ def include_breaches(root, path, text, modules):
             continue
         if target not in MAY_INCLUDE[folder] and folder_of(target) != folder:
             yield f"must not include {target}"
+        if path == TIMELINE_API:
+            yield "the vehicle flies it without the planner or its scalar: it includes nothing of ours"
         if path in CORE_API and target not in CORE_API:
             yield f"the core's headers stand by themselves, without {target}"
         if module_of(target) != module_of(path):
@@ -141,6 +144,7 @@ class Layers(unittest.TestCase):
             ("firmware/planner/motion/maneuver.c", "static const double x = 1;"): "a scalar other than real_t",
             ("firmware/include/ssv/vec3.h", "#include <math.h>"): "for the scalars alone",
             ("firmware/include/ssv/planner.h", '#include "lcm_ssv_plan_t.h"'): "stand by themselves",
+            ("firmware/include/ssv/timeline.h", '#include "ssv/real.h"'): "includes nothing of ours",
             ("firmware/daemon/answer.c", '#include "planner/motion/maneuver.h"'): "must not include firmware/planner/motion/maneuver.h",
             ("host/planted.c", '#include "planner/motion/maneuver.h"'): "must not include firmware/planner/motion/maneuver.h",
             ("host/planted.c", '#include "rigid_body.h"'): "must not include sim/rigid_body.h",

@@ -47,7 +47,7 @@ class Image:
         lines, self.exit_code = target.emulate(cpu, self.file)
         self.plans = target.planned(lines)
         functions = target.disassembled(self.file)
-        self.stacks = {name: target.deepest(functions, name) for name in API}
+        self.stacks = {name: target.deepest(functions, f"{name}_{scalar}") for name in API}
 
     def figures(self):
         """{(core, scalar, what, figure): number}, all that has a budget."""

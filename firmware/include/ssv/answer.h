@@ -17,6 +17,10 @@
 #include "lcm_ssv_scenario_t.h"
 #include "ssv/planner.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Most scenarios of a batch.
 #define SSV_MAX_BATCH 16
 /// Room for the longest reason, that of an infeasible scenario with every candidate's own; and for such a one.
@@ -83,5 +87,9 @@ void ssv_answer_batch_refuse(const lcm_ssv_scenario_batch_t* question, const cha
 /// untouched.
 bool ssv_scenario_batch_decode(const void* data, size_t size, lcm_ssv_scenario_t scenarios[SSV_MAX_BATCH],
                                lcm_ssv_scenario_batch_t* batch);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,11 +4,10 @@
 #define SSV_PLAN_H
 
 #include "ssv/scenario.h"
+#include "ssv/timeline.h"
 
 #define SSV_MAX_CANDIDATES (SSV_NUM_CONTACTS * SSV_MAX_ATTACH_HEIGHTS)
 #define SSV_MAX_LEGS 8
-#define SSV_MAX_SEGMENTS 128
-#define SSV_MAX_EVENTS 2
 /// Pieces of all legs together; one piece is one law dv/dt = a0 + a1 v + a2 v^2 of the speed along a leg.
 #define SSV_MAX_PIECES 64
 /// Most points of a front.
@@ -46,7 +45,6 @@ typedef enum {
     SSV_DRAG_ONLY = 1,
     SSV_OPTIMAL = 2
 } ssv_ramp_t; ///< how a leg slows (paper Figs. 6, 7)
-typedef enum { SSV_MATE = 0, SSV_DOCK = 1 } ssv_event_kind_t;
 
 /// A stretch of a leg in which the speed v along it follows dv/dt = law[0] + law[1] v + law[2] v^2.
 typedef struct {

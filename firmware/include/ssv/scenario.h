@@ -9,9 +9,9 @@
 #define SSV_SCENARIO_H
 
 #include "ssv/real.h"
+#include "ssv/timeline.h"
 #include "ssv/vec3.h"
 
-#define SSV_NUM_THRUSTERS 6
 #define SSV_NUM_CONTACTS 2
 #define SSV_MAX_ATTACH_HEIGHTS 8
 

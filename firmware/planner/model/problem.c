@@ -1,5 +1,7 @@
 #include "planner/model/allocation.h"
 
+const char ssv_scalar[] = REAL_NAME;
+
 #define NUM_BODY_FIELDS 7
 
 // Every check stops at the first fault; the caller's fault is written there.
