@@ -35,7 +35,7 @@ class Install(unittest.TestCase):
                 self.assertNotIn(BUILD, run(["readelf", "-d", self.prefix / "bin" / program]))
 
     def test_another_project_finds_the_package_and_plans_the_same(self):
-        sources = [HERE / "plan_hashes.c", SUPPORT / "tasks.c"]
+        sources = [HERE / "plan_hashes.c", SUPPORT / "sample.c"]
         run(["cmake", "-S", HERE / "consumer", "-B", self.scratch / "consumer", "-G", os.environ["SSV_GENERATOR"],
              f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DPROGRAM_INCLUDE={SUPPORT}",
              f"-DPROGRAM_SOURCES={';'.join(map(str, sources))}", "-DCMAKE_BUILD_TYPE=Release"])

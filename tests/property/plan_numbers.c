@@ -12,8 +12,8 @@
 #include <stdlib.h>
 
 #include "planner/motion/maneuver.h"
+#include "sample.h"
 #include "shipped.h"
-#include "tasks.h"
 
 #define NUM_SHIPPED ((int)(sizeof shipped / sizeof *shipped))
 
@@ -72,8 +72,8 @@ static void print_plan(const ssv_scenario_t* scenario, const ssv_plan_t* plan) {
 }
 
 static ssv_scenario_t task(uint64_t seed, int i, int method) {
-    task_seed(seed + (uint64_t)i);
-    ssv_scenario_t scenario = i < NUM_SHIPPED ? shipped[i].scenario : task_random();
+    sample_seed(seed + (uint64_t)i);
+    ssv_scenario_t scenario = i < NUM_SHIPPED ? shipped[i].scenario : sample_scenario();
     scenario.method = (ssv_method_t)method;
     scenario.want_candidates = false;
     return scenario;
