@@ -388,7 +388,7 @@ static ssv_thrusts_t thrusts_of(const ssv_problem_t* problem, const ssv_leg_t* l
     ssv_thrusts_t thrusts;
     const ssv_assembly_t assembly = {&problem->scenario.vehicle,
                                      leg->phase == SSV_TRANSFER ? &problem->scenario.beam : NULL, plan.X_SB};
-    ssv_move_thrusts(problem, &assembly, (ssv_twist_t){leg->v_S, leg->w_S}, &thrusts);
+    ssv_maneuver_thrusts(problem, &assembly, (ssv_twist_t){leg->v_S, leg->w_S}, &thrusts);
     return thrusts;
 }
 

@@ -39,9 +39,9 @@ static void test_turn_of_the_pair_has_the_coefficients_of_the_model(void) {
     const ssv_assembly_t pair = held_at_the_end();
     for (int pivot = 0; pivot < 2; pivot++) {
         const vec3_t p = pivot == 0 ? ssv_body_centre(&pair) : none;
-        const ssv_move_t turn = ssv_move_turn(SSV_TRANSFER, vec3(0, 0, 1), 1, p);
+        const ssv_maneuver_t turn = ssv_maneuver_turn(SSV_TRANSFER, vec3(0, 0, 1), 1, p);
         ssv_thrusts_t t;
-        ssv_move_thrusts(&problem, &pair, turn.twist, &t);
+        ssv_maneuver_thrusts(&problem, &pair, turn.twist, &t);
         for (int i = 0; i < 6; i++) { // tolerance: the table's printed digits
             TEST_ASSERT_DOUBLE_WITHIN(5.1e-4, table[pivot][0][i], t.accel[i]);
             TEST_ASSERT_DOUBLE_WITHIN(5.1e-4, table[pivot][1][i], t.linear[i]);

@@ -40,7 +40,7 @@ static void test_a_flight_turns_as_far_as_its_twist_says_however_little_that_is(
     const vec3_t zero = vec3(REAL(0), REAL(0), REAL(0));
     for (int n = 0; n < NUM_SIZES * NUM_OF_EACH; n++) {
         const ssv_twist_t twist = {vec3(REAL(1), REAL(0), REAL(0)), shorter(sample_vector(0.1), n % NUM_SIZES)};
-        const pose_t X = ssv_move_pose((pose_t){zero, quat_identity()}, twist, REAL(FLIGHT_M));
+        const pose_t X = ssv_maneuver_pose((pose_t){zero, quat_identity()}, twist, REAL(FLIGHT_M));
         const long double turned = 2 * asinl(fminl(1, size_of(vec3(X.q.x, X.q.y, X.q.z))));
         // A part in a million of the turn, or what the last digits of twist and attitude amount to.
         const long double expected = FLIGHT_M * size_of(twist.w), allowed = 1e-6L * expected + 5e-9L;
