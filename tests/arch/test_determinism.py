@@ -42,7 +42,7 @@ def hashes(compiler, scalar="DOUBLE", count=DOUBLE_COUNT):
     flags = [flag for flag in core_flags() if not flag.startswith("-DSSV_REAL_")]
     with tempfile.TemporaryDirectory() as scratch:
         program = pathlib.Path(scratch) / "plan_hashes"
-        sources = [*sorted(CORE.glob("**/*.c")), HERE / "plan_hashes.c", SUPPORT / "tasks.c"]
+        sources = [*sorted(CORE.glob("**/*.c")), HERE / "plan_hashes.c", SUPPORT / "sample.c"]
         run([compiler[0], *flags, f"-DSSV_REAL_{scalar}", f"-I{SUPPORT}", *compiler[1:], *sources, "-lm", "-o", program])
         return run([*emulator_of(compiler), program, SEED, count]).splitlines()
 

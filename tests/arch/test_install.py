@@ -49,7 +49,7 @@ class Install(unittest.TestCase):
                 self.assertNotIn(BUILD, run(["readelf", "-d", self.prefix / "bin" / program]))
 
     def test_another_project_finds_the_package_and_plans_the_same(self):
-        sources = [HERE / "plan_hashes.c", SUPPORT / "tasks.c"]
+        sources = [HERE / "plan_hashes.c", SUPPORT / "sample.c"]
         configure(HERE / "consumer", self.scratch / "consumer", HOW="installed", CMAKE_PREFIX_PATH=self.prefix,
                   PROGRAM_INCLUDE=SUPPORT, PROGRAM_SOURCES=";".join(map(str, sources)), CMAKE_BUILD_TYPE="Release")
         run(["cmake", "--build", self.scratch / "consumer"])

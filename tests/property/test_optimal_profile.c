@@ -14,8 +14,8 @@
 #include <string.h>
 
 #include "planner/profile/profile.h"
+#include "sample.h"
 #include "sweep.h"
-#include "tasks.h"
 #include "unity.h"
 
 #define N SSV_NUM_THRUSTERS
@@ -284,25 +284,26 @@ static const ssv_thrusts_t cancelling = {
 // Six unequal thrusters, inertia and drag over three decades; some do not act, some mirror each other, some feel no
 // drag.
 static ssv_thrusts_t random_thrusts(void) {
-    const double inertia = pow(10, task_between(-1, 2));
-    const double linear = task_below(4) == 0 ? 0 : inertia * pow(10, task_between(-1.5, 1.5));
-    const double quadratic = task_below(4) == 0 ? 0 : inertia * pow(10, task_between(-1.5, 1.5));
+    const double inertia = pow(10, sample_between(-1, 2));
+    const double linear = sample_below(4) == 0 ? 0 : inertia * pow(10, sample_between(-1.5, 1.5));
+    const double quadratic = sample_below(4) == 0 ? 0 : inertia * pow(10, sample_between(-1.5, 1.5));
     ssv_thrusts_t t = {.force_max_N = FORCE};
     for (int i = 0; i < N; i++) {
-        const double share = task_between(-1, 1); // of inertia and, for most thrusters, of the drag against the motion
-        const bool against = task_below(4) > 0;
-        t.accel[i] = task_below(8) == 0 ? 0 : inertia * share;
-        t.linear[i] = linear * (against ? share * task_between(0.2, 1) : 0.3 * task_between(-1, 1));
-        t.quadratic[i] = quadratic * (against ? share * task_between(0.2, 1) : 0.3 * task_between(-1, 1));
+        const double share =
+            sample_between(-1, 1); // of inertia and, for most thrusters, of the drag against the motion
+        const bool against = sample_below(4) > 0;
+        t.accel[i] = sample_below(8) == 0 ? 0 : inertia * share;
+        t.linear[i] = linear * (against ? share * sample_between(0.2, 1) : 0.3 * sample_between(-1, 1));
+        t.quadratic[i] = quadratic * (against ? share * sample_between(0.2, 1) : 0.3 * sample_between(-1, 1));
         // Next to no drag, no drag but for rounding, and none.
-        if (task_below(8) == 0) {
+        if (sample_below(8) == 0) {
             static const double left[] = {1e-4, 1e-8, 1e-16, 0};
-            const double keep = left[task_below(4)];
+            const double keep = left[sample_below(4)];
             t.linear[i] *= keep;
             t.quadratic[i] *= keep;
         }
     }
-    if (task_below(4) == 0) {
+    if (sample_below(4) == 0) {
         for (int i = 0; i < N; i += 2) {
             t.accel[i + 1] = -t.accel[i];
             t.linear[i + 1] = -t.linear[i];
@@ -314,17 +315,17 @@ static ssv_thrusts_t random_thrusts(void) {
 
 static leg_t random_leg(int n) {
     static const double weights[][2] = {{1, 0}, {1, 0.1}, {1, 1}, {0.01, 1}};
-    leg_t leg = {.distance = pow(10, task_between(-2, 1.5))};
+    leg_t leg = {.distance = pow(10, sample_between(-2, 1.5))};
     double inertia = 0;
     while (inertia == 0) {
         leg.thrusts = random_thrusts();
         for (int i = 0; i < N; i++) inertia += fabs(leg.thrusts.accel[i]);
     }
-    const double w2 = pow(10, task_between(-2, 2)), w1 = w2 * pow(10, task_between(-2.9, 2));
+    const double w2 = pow(10, sample_between(-2, 2)), w1 = w2 * pow(10, sample_between(-2.9, 2));
     leg.w1 = n % 5 < 4 ? weights[n % 5][0] : w1;
     leg.w2 = n % 5 < 4 ? weights[n % 5][1] : w2;
-    const double cap = top_speed(&leg) * task_between(0.05, 1);
-    leg.cap = task_below(4) == 0 ? cap : 0;
+    const double cap = top_speed(&leg) * sample_between(0.05, 1);
+    leg.cap = sample_below(4) == 0 ? cap : 0;
     const double top = top_speed(&leg),
                  cruise = golden(cruise_price, &leg, 0, top, 60); // no leg longer than a plan may take
     leg.distance = fmin(leg.distance, 0.5 * (double)SSV_DURATION_MAX_S * cruise);
@@ -418,7 +419,7 @@ static void test_the_two_oracles_agree(void) {
         {without_drag, 0.1, 1, 0.05, 2.5}, {cancelling, 1, 1, 0, 0.3},        {cancelling, 0.1, 1, 0, 3},
     };
     for (int n = 0; n < (int)(sizeof legs / sizeof *legs); n++) agree(-1 - n, &legs[n]);
-    task_seed((uint64_t)seed);
+    sample_seed((uint64_t)seed);
     for (int n = 0; n < 12; n++) {
         const leg_t leg = random_leg(n);
         agree(n, &leg);
@@ -427,7 +428,7 @@ static void test_the_two_oracles_agree(void) {
 
 static void test_legs_cost_what_the_oracle_says(void) {
     double worst = 0;
-    task_seed((uint64_t)seed);
+    sample_seed((uint64_t)seed);
     for (int n = 0; n < NUM_LEGS; n++) {
         const leg_t leg = leg_of(n);
         TEST_ASSERT_EQUAL_INT_MESSAGE(SSV_FEASIBLE, solve(&leg), name_of(n, &leg));
@@ -440,7 +441,7 @@ static void test_legs_cost_what_the_oracle_says(void) {
 
 // What the pieces say must be so: they join, cover the distance within every limit, and take what is claimed.
 static void test_legs_join_keep_their_limits_and_add_up(void) {
-    task_seed((uint64_t)seed);
+    sample_seed((uint64_t)seed);
     for (int n = 0; n < NUM_LEGS; n++) {
         const leg_t leg = leg_of(n);
         const ssv_thrusts_t* t = &leg.thrusts;
@@ -482,12 +483,12 @@ static void test_legs_join_keep_their_limits_and_add_up(void) {
 static void test_optimal_leg_never_costs_more_than_either_ramp_of_the_paper(void) {
     static ssv_profile_t ramped;
     int compared = 0;
-    task_seed((uint64_t)seed);
+    sample_seed((uint64_t)seed);
     for (int n = 0; n < NUM_LEGS; n++) {
         leg_t leg = leg_of(n);
         leg.cap = 0;
         TEST_ASSERT_EQUAL_INT_MESSAGE(SSV_FEASIBLE, solve(&leg), name_of(n, &leg));
-        const double cutoff = pow(10, task_between(-4, -1));
+        const double cutoff = pow(10, sample_between(-4, -1));
         for (int ramp = SSV_FULL_REVERSE; ramp <= SSV_DRAG_ONLY; ramp++) {
             const ssv_rule_t rule = {.ramp = (ssv_ramp_t)ramp, .cutoff = cutoff};
             if (ssv_profile_solve(&leg.thrusts, &rule, leg.distance, &ramped) != SSV_FEASIBLE) continue;

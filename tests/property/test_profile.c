@@ -3,7 +3,7 @@
 #include <stdio.h>
 
 #include "planner/profile/profile.h"
-#include "tasks.h"
+#include "sample.h"
 #include "unity.h"
 
 #define N SSV_NUM_THRUSTERS
@@ -18,21 +18,21 @@ void tearDown(void) {}
 
 // Six unequal thrusters; inertia and drag over four decades, mostly against the motion but not for every thruster.
 static ssv_thrusts_t random_thrusts(void) {
-    const double size = pow(10, task_between(-2, 2));
-    const double linear = task_below(5) == 0 ? 0 : pow(10, task_between(-2, 2));
-    const double quadratic = task_below(3) == 0 ? 0 : pow(10, task_between(-2, 2));
+    const double size = pow(10, sample_between(-2, 2));
+    const double linear = sample_below(5) == 0 ? 0 : pow(10, sample_between(-2, 2));
+    const double quadratic = sample_below(3) == 0 ? 0 : pow(10, sample_between(-2, 2));
     ssv_thrusts_t t;
     for (int i = 0; i < N; i++) {
-        t.accel[i] = task_below(10) == 0 ? 0 : size * task_between(-1, 1);
-        t.linear[i] =
-            task_below(10) < 7 ? t.accel[i] * linear * task_between(0, 1) : 0.3 * size * linear * task_between(-1, 1);
-        t.quadratic[i] = task_below(10) < 7 ? t.accel[i] * quadratic * task_between(0, 1)
-                                            : 0.3 * size * quadratic * task_between(-1, 1);
+        t.accel[i] = sample_below(10) == 0 ? 0 : size * sample_between(-1, 1);
+        t.linear[i] = sample_below(10) < 7 ? t.accel[i] * linear * sample_between(0, 1)
+                                           : 0.3 * size * linear * sample_between(-1, 1);
+        t.quadratic[i] = sample_below(10) < 7 ? t.accel[i] * quadratic * sample_between(0, 1)
+                                              : 0.3 * size * quadratic * sample_between(-1, 1);
     }
     // Thrusters that mirror each other agree but for rounding, and part only with the square of the speed.
-    if (task_below(3) == 0) {
+    if (sample_below(3) == 0) {
         t.accel[1] = t.accel[0];
-        t.linear[1] = t.linear[0] * (1 + task_between(-4e-16, 4e-16));
+        t.linear[1] = t.linear[0] * (1 + sample_between(-4e-16, 4e-16));
     }
     t.force_max_N = 6;
     return t;
@@ -91,11 +91,11 @@ static void assert_obeys_the_ramp(const ssv_thrusts_t* t, ssv_ramp_t ramp, const
 
 static void test_random_legs_obey_their_ramp_and_add_up(void) {
     int feasible = 0;
-    task_seed(SEED);
+    sample_seed(SEED);
     for (int leg = 0; leg < LEGS; leg++) {
         const ssv_thrusts_t t = random_thrusts();
-        const ssv_ramp_t ramp = task_below(2) == 0 ? SSV_FULL_REVERSE : SSV_DRAG_ONLY;
-        const double stroke = pow(10, task_between(-2, 2));
+        const ssv_ramp_t ramp = sample_below(2) == 0 ? SSV_FULL_REVERSE : SSV_DRAG_ONLY;
+        const double stroke = pow(10, sample_between(-2, 2));
         char label[64];
         (void)snprintf(label, sizeof label, "seed %d, leg %d", SEED, leg);
         if (ssv_profile_solve(&t, &(ssv_rule_t){ramp, CUTOFF, 0, 0, 0}, stroke, &profile) != SSV_FEASIBLE) continue;

@@ -1,7 +1,7 @@
 // What a scenario must be, field by field.
 #include <string.h>
 
-#include "tasks.h"
+#include "sample.h"
 #include "unity.h"
 
 static ssv_problem_t problem;
@@ -56,7 +56,7 @@ static const bad_t bad[] = {
 
 static void test_each_bad_number_is_refused_by_the_name_of_its_field(void) {
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
-        ssv_scenario_t s = task_case_study(true);
+        ssv_scenario_t s = scenario_case_study(true);
         memcpy((char*)&s + bad[k].offset, &bad[k].value, sizeof(double));
         TEST_ASSERT_EQUAL_INT_MESSAGE(bad[k].status, ssv_problem_init(&problem, &s, &fault), bad[k].field);
         TEST_ASSERT_EQUAL_STRING(bad[k].field, fault.field);
@@ -71,27 +71,27 @@ static void refuse(const ssv_scenario_t* s, ssv_status_t status, const char* fie
 }
 
 static void test_each_bad_choice_is_refused_by_the_name_of_its_field(void) {
-    ssv_scenario_t s = task_case_study(true);
+    ssv_scenario_t s = scenario_case_study(true);
     s.contact = 3;
     refuse(&s, SSV_E_RANGE, "beam.contact");
-    s = task_case_study(true);
+    s = scenario_case_study(true);
     s.method = (ssv_method_t)7;
     refuse(&s, SSV_E_RANGE, "method");
-    s = task_case_study(true);
+    s = scenario_case_study(true);
     s.num_attach_heights = 9;
     refuse(&s, SSV_E_RANGE, "attach_heights_m");
     s.num_attach_heights = 2;
     s.attach_heights_m[1] = 1.6;
     refuse(&s, SSV_E_RANGE, "attach_heights_m[]");
     TEST_ASSERT_EQUAL_INT(1, fault.index);
-    s = task_case_study(true);
+    s = scenario_case_study(true);
     s.ring_angle_given = true;
     s.ring_angle_rad = 7;
     refuse(&s, SSV_E_RANGE, "ring_angle_rad");
-    s = task_case_study(true);
+    s = scenario_case_study(true);
     s.weight_time_per_s = s.weight_impulse_per_Ns = 0;
     refuse(&s, SSV_E_WEIGHTS, "weights");
-    s = task_case_study(true);
+    s = scenario_case_study(true);
     s.vehicle.thruster[1] = s.vehicle.thruster[0];
     refuse(&s, SSV_E_SINGULAR, "vehicle.thrusters");
     s = ssv_scenario_default();
@@ -99,7 +99,7 @@ static void test_each_bad_choice_is_refused_by_the_name_of_its_field(void) {
 }
 
 static void test_refused_scenario_leaves_the_problem_untouched(void) {
-    ssv_scenario_t s = task_case_study(true);
+    ssv_scenario_t s = scenario_case_study(true);
     ssv_problem_t before;
     memset(&problem, 0x5a, sizeof problem);
     memcpy(&before, &problem, sizeof before);
@@ -109,7 +109,7 @@ static void test_refused_scenario_leaves_the_problem_untouched(void) {
 }
 
 static void test_quaternion_within_a_thousandth_is_normalised(void) {
-    ssv_scenario_t s = task_case_study(true);
+    ssv_scenario_t s = scenario_case_study(true);
     s.X_IS.q.z = 0.9991;
     TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
     TEST_ASSERT_EQUAL_DOUBLE(1, problem.scenario.X_IS.q.z);
@@ -118,7 +118,7 @@ static void test_quaternion_within_a_thousandth_is_normalised(void) {
 }
 
 static void test_no_heights_means_the_three_rings(void) {
-    const ssv_scenario_t s = task_case_study(true);
+    const ssv_scenario_t s = scenario_case_study(true);
     TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
     TEST_ASSERT_EQUAL_INT(3, problem.scenario.num_attach_heights);
     TEST_ASSERT_EQUAL_DOUBLE(1.524, problem.scenario.attach_heights_m[0]);
@@ -127,7 +127,7 @@ static void test_no_heights_means_the_three_rings(void) {
 }
 
 static void test_scenario_hash_changes_with_every_number_and_choice(void) {
-    const ssv_scenario_t base = task_case_study(true);
+    const ssv_scenario_t base = scenario_case_study(true);
     const uint64_t hash = ssv_scenario_hash(&base);
     TEST_ASSERT_TRUE(hash == ssv_scenario_hash(&base));
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {

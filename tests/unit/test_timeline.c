@@ -2,7 +2,7 @@
 #include <stdlib.h>
 
 #include "planner/segments.h"
-#include "tasks.h"
+#include "sample.h"
 #include "unity.h"
 
 #define N SSV_NUM_THRUSTERS
@@ -16,9 +16,9 @@ void tearDown(void) {}
 static ssv_thrusts_t random_thrusts(void) {
     ssv_thrusts_t t;
     for (int i = 0; i < N; i++) {
-        t.accel[i] = task_between(-60, 60);
-        t.linear[i] = task_between(-0.5, 3) * t.accel[i] + task_between(-20, 20);
-        t.quadratic[i] = task_between(0, 20) * t.accel[i] + task_between(-100, 100);
+        t.accel[i] = sample_between(-60, 60);
+        t.linear[i] = sample_between(-0.5, 3) * t.accel[i] + sample_between(-20, 20);
+        t.quadratic[i] = sample_between(0, 20) * t.accel[i] + sample_between(-100, 100);
     }
     t.force_max_N = 6;
     return t;
@@ -31,11 +31,11 @@ static double exact_thrust(const ssv_thrusts_t* thrusts, const ssv_piece_t* piec
 }
 
 static void test_timeline_of_random_legs_is_close_exact_in_impulse_contiguous_and_within_limits(void) {
-    task_seed(31);
+    sample_seed(31);
     for (int trial = 0; trial < 300; trial++) {
         const ssv_thrusts_t thrusts = random_thrusts();
         const ssv_ramp_t ramp = trial % 2 == 0 ? SSV_FULL_REVERSE : SSV_DRAG_ONLY;
-        const double distance = pow(10, task_between(-2, 1.5));
+        const double distance = pow(10, sample_between(-2, 1.5));
         if (ssv_profile_solve(&thrusts, &(ssv_rule_t){ramp, 0.01, 0, 0, 0}, distance, &profile) != SSV_FEASIBLE)
             continue;
         for (int k = 0; k < profile.num_pieces; k++) {
@@ -73,11 +73,11 @@ static void test_timeline_of_random_legs_is_close_exact_in_impulse_contiguous_an
 }
 
 static void test_count_of_segments_is_close_to_what_is_cut(void) {
-    task_seed(32);
+    sample_seed(32);
     for (int trial = 0; trial < 300; trial++) {
         const ssv_thrusts_t thrusts = random_thrusts();
         const ssv_rule_t rule = {SSV_OPTIMAL, 0, 1, trial % 2 == 0 ? 0 : 1, 0};
-        const double distance = pow(10, task_between(-2, 1.5)), drift_s2 = pow(10, task_between(-6, -3));
+        const double distance = pow(10, sample_between(-2, 1.5)), drift_s2 = pow(10, sample_between(-6, -3));
         if (ssv_profile_solve(&thrusts, &rule, distance, &profile) != SSV_FEASIBLE) continue;
         int counted = 0;
         plan.num_segments = 0;

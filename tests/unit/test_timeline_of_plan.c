@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tasks.h"
+#include "sample.h"
 #include "unity.h"
 
 #define SEED 20261128u
@@ -68,10 +68,10 @@ static void check_segments(void) {
 }
 
 static void test_flown_timelines_of_random_plans_keep_their_times_thrusts_events_and_start(void) {
-    task_seed(SEED);
+    sample_seed(SEED);
     int num_flown = 0, num_left_out = 0;
     while (num_flown < NUM_PLANS) {
-        ssv_scenario_t scenario = task_random();
+        ssv_scenario_t scenario = sample_scenario();
         if (num_flown % 2 == 0) scenario.method = SSV_METHOD_OPTIMAL;
         ssv_fault_t fault;
         TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &scenario, &fault));

@@ -53,40 +53,40 @@ quat_t ssv_spin(vec3_t axis, int spin, real_t x) {
     return (quat_t){c, real_mul(s, axis.x), real_mul(s, axis.y), real_mul(s, axis.z)};
 }
 
-static vec3_t part(const ssv_trial_t* trial, int first) {
-    return vec3(trial->x[first], trial->x[first + 1], trial->x[first + 2]);
+static vec3_t part(const ssv_decision_t* decision, int first) {
+    return vec3(decision->x[first], decision->x[first + 1], decision->x[first + 2]);
 }
 
-ssv_task_t ssv_transfer_task(const ssv_question_t* question, int contact, real_t height_m) {
+ssv_phase_context_t ssv_transfer_context(const ssv_question_t* question, int contact, real_t height_m) {
     const ssv_scenario_t* s = &question->problem->scenario;
-    ssv_task_t task = {.question = question,
-                       .phase = SSV_TRANSFER,
-                       .contact = contact,
-                       .height_m = height_m,
-                       .closeness = SSV_ESTIMATE_ROUGHLY};
+    ssv_phase_context_t context = {.question = question,
+                                   .phase = SSV_TRANSFER,
+                                   .contact = contact,
+                                   .height_m = height_m,
+                                   .closeness = SSV_ESTIMATE_ROUGHLY};
     const real_t from_contact = real_abs(ssv_grasp_contact(s, contact).z - height_m);
-    task.transfer.axis_I[0] = quat_apply(s->X_IB.q, z_axis);
-    task.transfer.axis_I[1] = contact == 1 ? s->axis_I : vec3_neg(s->axis_I);
-    task.hold_I[0] = vec3_add(s->X_IB.p, vec3_scale(height_m, task.transfer.axis_I[0]));
-    task.hold_I[1] = vec3_add(s->p_IP_m, vec3_scale(from_contact, s->axis_I));
-    task.transfer.q_given = quat_identity();
+    context.transfer.axis_I[0] = quat_apply(s->X_IB.q, z_axis);
+    context.transfer.axis_I[1] = contact == 1 ? s->axis_I : vec3_neg(s->axis_I);
+    context.hold_I[0] = vec3_add(s->X_IB.p, vec3_scale(height_m, context.transfer.axis_I[0]));
+    context.hold_I[1] = vec3_add(s->p_IP_m, vec3_scale(from_contact, s->axis_I));
+    context.transfer.q_given = quat_identity();
     if (s->ring_angle_given) {
         const ssv_grasp_t grasp = {contact, height_m, s->ring_angle_rad};
-        task.transfer.q_given =
-            ssv_attitude(y_axis, x_axis, task.transfer.axis_I[0], vec3_neg(ssv_grasp_radial(s, &grasp)));
+        context.transfer.q_given =
+            ssv_attitude(y_axis, x_axis, context.transfer.axis_I[0], vec3_neg(ssv_grasp_radial(s, &grasp)));
     }
-    return task;
+    return context;
 }
 
-ssv_task_t ssv_transit_task(const ssv_task_t* transfer, const pose_t* X_to) {
+ssv_phase_context_t ssv_transit_context(const ssv_phase_context_t* transfer, const pose_t* X_to) {
     const pose_t* X_from = &transfer->question->problem->scenario.X_IS;
-    return (ssv_task_t){.question = transfer->question,
-                        .phase = SSV_TRANSIT,
-                        .contact = transfer->contact,
-                        .height_m = transfer->height_m,
-                        .hold_I = {X_from->p, X_to->p},
-                        .transit = {{X_from->q, X_to->q}},
-                        .closeness = transfer->closeness};
+    return (ssv_phase_context_t){.question = transfer->question,
+                                 .phase = SSV_TRANSIT,
+                                 .contact = transfer->contact,
+                                 .height_m = transfer->height_m,
+                                 .hold_I = {X_from->p, X_to->p},
+                                 .transit = {{X_from->q, X_to->q}},
+                                 .closeness = transfer->closeness};
 }
 
 // What of a trial's attitudes does not hang on the way.
@@ -97,13 +97,13 @@ typedef struct {
     quat_t spin[SSV_NUM_ENDS]; // of a transfer
 } carriage_t;
 
-static void carriage_of(const ssv_task_t* task, const ssv_trial_t* trial, carriage_t* c) {
-    const vec3_t twist = part(trial, SSV_X_TWIST);
-    const quat_t turn = rotation_of(part(trial, SSV_X_TURN));
+static void carriage_of(const ssv_phase_context_t* context, const ssv_decision_t* decision, carriage_t* c) {
+    const vec3_t twist = part(decision, SSV_X_TWIST);
+    const quat_t turn = rotation_of(part(decision, SSV_X_TURN));
     const real_t twisted = square(twist);
-    c->q_middle = quat_mul(trial->q_IT, turn);
+    c->q_middle = quat_mul(decision->q_IT, turn);
     c->twist = rotation_of(twist);
-    c->ahead_S = quat_apply(quat_conj(turn), trial->n_S);
+    c->ahead_S = quat_apply(quat_conj(turn), decision->n_S);
     // Over an arc of twice the angle a, what is across its axis shrinks by sin(a) / a: with t = tan(a / 2) that is
     // t / atan(t) / (1 + t^2), here within 1 % up to t = 1.
     if (twisted > REAL(1e-6)) {
@@ -113,76 +113,79 @@ static void carriage_of(const ssv_task_t* task, const ssv_trial_t* trial, carria
         const vec3_t along = vec3_scale(real_div(vec3_dot(twist, c->ahead_S), twisted), twist);
         c->ahead_S = vec3_unit(vec3_add(along, vec3_scale(shrink, vec3_sub(c->ahead_S, along))));
     }
-    if (task->phase == SSV_TRANSIT) return;
-    c->axis_S = quat_apply(ssv_spin(x_axis, 0, trial->x[SSV_X_MATE_ROLL]), trial->axis_S);
+    if (context->phase == SSV_TRANSIT) return;
+    c->axis_S = quat_apply(ssv_spin(x_axis, 0, decision->x[SSV_X_MATE_ROLL]), decision->axis_S);
     for (int end = 0; end < SSV_NUM_ENDS; end++) {
-        c->spin[end] = ssv_spin(task->transfer.axis_I[end], trial->spin[end], trial->x[SSV_X_SPIN + end]);
+        c->spin[end] = ssv_spin(context->transfer.axis_I[end], decision->spin[end], decision->x[SSV_X_SPIN + end]);
     }
 }
 
-static void aim(const ssv_task_t* task, const carriage_t* c, vec3_t way, ssv_attitudes_t* a) {
+static void aim(const ssv_phase_context_t* context, const carriage_t* c, vec3_t way, ssv_attitudes_t* a) {
     const bool flies = square(way) > real_sq(SSV_NO_WAY_M);
     const quat_t q =
         flies ? quat_mul(quat_between(quat_apply(c->q_middle, c->ahead_S), vec3_unit(way)), c->q_middle) : c->q_middle;
     a->q_IT[0] = quat_mul(q, quat_conj(c->twist));
     a->q_IT[1] = quat_mul(q, c->twist);
     for (int end = 0; end < SSV_NUM_ENDS; end++) {
-        if (task->phase == SSV_TRANSIT) {
-            a->q_IS[end] = task->transit.q_IS[end];
-        } else if (end == 0 && task->question->problem->scenario.ring_angle_given) {
-            a->q_IS[end] = quat_mul(task->transfer.q_given, roll_about(x_axis, c->axis_S.y, -c->axis_S.z));
+        if (context->phase == SSV_TRANSIT) {
+            a->q_IS[end] = context->transit.q_IS[end];
+        } else if (end == 0 && context->question->problem->scenario.ring_angle_given) {
+            a->q_IS[end] = quat_mul(context->transfer.q_given, roll_about(x_axis, c->axis_S.y, -c->axis_S.z));
         } else {
-            const quat_t smallest = quat_between(quat_apply(a->q_IT[end], c->axis_S), task->transfer.axis_I[end]);
+            const quat_t smallest = quat_between(quat_apply(a->q_IT[end], c->axis_S), context->transfer.axis_I[end]);
             a->q_IS[end] = quat_mul(c->spin[end], quat_mul(smallest, a->q_IT[end]));
         }
     }
 }
 
-void ssv_trial_attitudes(const ssv_task_t* task, const ssv_trial_t* trial, vec3_t way, ssv_attitudes_t* attitudes) {
+void ssv_decision_attitudes(const ssv_phase_context_t* context, const ssv_decision_t* decision, vec3_t way,
+                            ssv_attitudes_t* attitudes) {
     carriage_t carriage;
-    carriage_of(task, trial, &carriage);
-    aim(task, &carriage, way, attitudes);
+    carriage_of(context, decision, &carriage);
+    aim(context, &carriage, way, attitudes);
 }
 
 // The turn about a pivot from one attitude to another, the shorter way round.
-static ssv_move_t turn_about(ssv_phase_t phase, quat_t q_from, quat_t q_to, vec3_t pivot_S) {
+static ssv_maneuver_t turn_about(ssv_phase_t phase, quat_t q_from, quat_t q_to, vec3_t pivot_S) {
     const quat_t q = quat_mul(quat_conj(q_from), q_to);
     const vec3_t e = vec3_scale(q.w < REAL(0) ? REAL(-1) : REAL(1), vec3(q.x, q.y, q.z));
     const real_t sine = vec3_norm(e);
-    if (!(sine > REAL(0))) return ssv_move_turn(phase, x_axis, REAL(0), pivot_S);
-    return ssv_move_turn(phase, vec3_unit(e), real_mul(REAL(2), real_atan2(sine, real_abs(q.w))), pivot_S);
+    if (!(sine > REAL(0))) return ssv_maneuver_turn(phase, x_axis, REAL(0), pivot_S);
+    return ssv_maneuver_turn(phase, vec3_unit(e), real_mul(REAL(2), real_atan2(sine, real_abs(q.w))), pivot_S);
 }
 
-void ssv_trial_lay(const ssv_task_t* task, const ssv_trial_t* trial, ssv_motion_t* motion) {
-    const bool alone = task->phase == SSV_TRANSIT;
-    const vec3_t ahead = vec3(alone ? REAL(0) : task->question->problem->scenario.standoff_m, REAL(0), REAL(0));
-    const vec3_t pivot[SSV_NUM_ENDS] = {part(trial, SSV_X_PIVOT), part(trial, SSV_X_PIVOT + 3)};
+void ssv_decision_motion(const ssv_phase_context_t* context, const ssv_decision_t* decision, ssv_motion_t* motion) {
+    const bool alone = context->phase == SSV_TRANSIT;
+    const vec3_t ahead = vec3(alone ? REAL(0) : context->question->problem->scenario.standoff_m, REAL(0), REAL(0));
+    const vec3_t pivot[SSV_NUM_ENDS] = {part(decision, SSV_X_PIVOT), part(decision, SSV_X_PIVOT + 3)};
     // From hold_I[0], so that they keep their digits wherever in the tank that is.
-    const vec3_t hold[SSV_NUM_ENDS] = {vec3(REAL(0), REAL(0), REAL(0)), vec3_sub(task->hold_I[1], task->hold_I[0])};
+    const vec3_t hold[SSV_NUM_ENDS] = {vec3(REAL(0), REAL(0), REAL(0)),
+                                       vec3_sub(context->hold_I[1], context->hold_I[0])};
     vec3_t p_T[SSV_NUM_ENDS] = {hold[0], hold[1]};
     carriage_t carriage;
     ssv_attitudes_t a;
-    carriage_of(task, trial, &carriage);
+    carriage_of(context, decision, &carriage);
     // Where a transfer's flight starts and ends depends on how the vehicle travels, and that on the way from one to the
     // other: a few steps to and fro.
     for (int n = 0; n < (alone ? 1 : NUM_AIMS); n++) {
-        aim(task, &carriage, vec3_sub(p_T[1], p_T[0]), &a);
+        aim(context, &carriage, vec3_sub(p_T[1], p_T[0]), &a);
         for (int end = 0; !alone && end < SSV_NUM_ENDS; end++) {
             const vec3_t turned = quat_apply(a.q_IS[end], vec3_sub(pivot[end], ahead));
             p_T[end] = vec3_add(hold[end], vec3_sub(turned, quat_apply(a.q_IT[end], pivot[end])));
         }
     }
-    motion->X_from = (pose_t){vec3_sub(task->hold_I[0], quat_apply(a.q_IS[0], ahead)), a.q_IS[0]};
-    motion->assembly = alone ? ssv_vehicle_alone(task->question->problem)
-                             : ssv_vehicle_with_beam(task->question->problem, task->height_m, motion->X_from.q);
-    motion->move[0] = turn_about(task->phase, a.q_IS[0], a.q_IT[0], pivot[0]);
-    motion->move[1] = ssv_move_between(task->phase, (pose_t){p_T[0], a.q_IT[0]}, (pose_t){p_T[1], a.q_IT[1]});
-    motion->move[2] = turn_about(task->phase, a.q_IT[1], a.q_IS[1], pivot[1]);
+    motion->X_from = (pose_t){vec3_sub(context->hold_I[0], quat_apply(a.q_IS[0], ahead)), a.q_IS[0]};
+    motion->assembly = alone ? ssv_vehicle_alone(context->question->problem)
+                             : ssv_vehicle_with_beam(context->question->problem, context->height_m, motion->X_from.q);
+    motion->maneuver[0] = turn_about(context->phase, a.q_IS[0], a.q_IT[0], pivot[0]);
+    motion->maneuver[1] =
+        ssv_maneuver_between(context->phase, (pose_t){p_T[0], a.q_IT[0]}, (pose_t){p_T[1], a.q_IT[1]});
+    motion->maneuver[2] = turn_about(context->phase, a.q_IT[1], a.q_IS[1], pivot[1]);
 }
 
-ssv_grasp_t ssv_trial_grasp(const ssv_task_t* task, const pose_t* X_IS) {
-    const ssv_scenario_t* s = &task->question->problem->scenario;
+ssv_grasp_t ssv_phase_grasp(const ssv_phase_context_t* context, const pose_t* X_IS) {
+    const ssv_scenario_t* s = &context->question->problem->scenario;
     const vec3_t outward_B = quat_apply(quat_conj(s->X_IB.q), vec3_neg(quat_apply(X_IS->q, x_axis)));
     const real_t ring_angle = s->ring_angle_given ? s->ring_angle_rad : real_atan2(outward_B.y, outward_B.x);
-    return (ssv_grasp_t){task->contact, task->height_m, ring_angle};
+    return (ssv_grasp_t){context->contact, context->height_m, ring_angle};
 }

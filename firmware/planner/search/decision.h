@@ -31,7 +31,7 @@ typedef struct {
     vec3_t axis_S;          ///< of a transfer: the beam's z axis as the vehicle holds it, across x, before MATE_ROLL
     int spin[SSV_NUM_ENDS]; ///< of a transfer: in [0, SSV_NUM_SPINS), how far it spins before SPIN
     real_t x[SSV_NUM_TRANSFER];
-} ssv_trial_t;
+} ssv_decision_t;
 
 /// One phase, for one contact and height.
 typedef struct {
@@ -51,22 +51,22 @@ typedef struct {
                 q_given; ///< vehicle that mates at the ring angle, if that is given, and holds the beam's axis along +y
         } transfer;
     };
-    const ssv_trial_t* before; ///< the transit that a transfer's price shall include, or NULL
-    real_t closeness;          ///< of estimates, see ssv_profile_estimate; roughly until set
-    int num_priced;            ///< trials so far
-} ssv_task_t;
+    const ssv_decision_t* before; ///< the transit that a transfer's price shall include, or NULL
+    real_t closeness;             ///< of estimates, see ssv_profile_estimate; roughly until set
+    int num_priced;               ///< trials so far
+} ssv_phase_context_t;
 
 /// What a trial amounts to.
 typedef struct {
     ssv_assembly_t assembly; ///< what moves
     pose_t X_from;           ///< vehicle where it begins
-    ssv_move_t move[SSV_MAX_PHASE_MOVES];
+    ssv_maneuver_t maneuver[SSV_MAX_PHASE_MANEUVERS];
 } ssv_motion_t;
 
-ssv_task_t ssv_transfer_task(const ssv_question_t* question, int contact, real_t height_m);
+ssv_phase_context_t ssv_transfer_context(const ssv_question_t* question, int contact, real_t height_m);
 
 /// The flight to where a transfer begins, as far as the same grasp goes.
-ssv_task_t ssv_transit_task(const ssv_task_t* transfer, const pose_t* X_to);
+ssv_phase_context_t ssv_transit_context(const ssv_phase_context_t* transfer, const pose_t* X_to);
 
 /// Attitudes of a trial: as the flight starts and ends, and where the first turn begins and the last one ends.
 typedef struct {
@@ -76,7 +76,8 @@ typedef struct {
 /// Attitudes for a flight along way [m]: the vehicle flies in the direction n_S whatever else changes. The ends of a
 /// transfer follow from how it travels: the smallest turns that bring the beam's axis from where it lies and on to
 /// where it docks, and the spins. If the ring angle is given, the first turn begins there instead.
-void ssv_trial_attitudes(const ssv_task_t* task, const ssv_trial_t* trial, vec3_t way, ssv_attitudes_t* attitudes);
+void ssv_decision_attitudes(const ssv_phase_context_t* context, const ssv_decision_t* decision, vec3_t way,
+                            ssv_attitudes_t* attitudes);
 
 /// The attitude in which two unit vectors of the body, a_S and b_S, point along a_I and, as well as may be, towards
 /// b_I.
@@ -93,9 +94,9 @@ quat_t ssv_spin(vec3_t axis, int spin, real_t x);
 
 /// The motion of a trial: turn about a pivot, fly on while turning from one travel attitude to the other, turn about a
 /// pivot.
-void ssv_trial_lay(const ssv_task_t* task, const ssv_trial_t* trial, ssv_motion_t* motion);
+void ssv_decision_motion(const ssv_phase_context_t* context, const ssv_decision_t* decision, ssv_motion_t* motion);
 
 /// How the beam is held if a transfer begins with the vehicle at X_IS.
-ssv_grasp_t ssv_trial_grasp(const ssv_task_t* task, const pose_t* X_IS);
+ssv_grasp_t ssv_phase_grasp(const ssv_phase_context_t* context, const pose_t* X_IS);
 
 #endif

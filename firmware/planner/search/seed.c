@@ -35,11 +35,11 @@ static bool serves_both_ways_up(const ssv_problem_t* problem) {
 }
 
 // Keeps the cheapest few, cheapest first.
-static void keep(ssv_start_t* list, int* num, int most, const ssv_trial_t* trial, real_t price) {
+static void keep(ssv_seed_t* list, int* num, int most, const ssv_decision_t* decision, real_t price) {
     if (*num == most && !ssv_clearly_less(price, list[most - 1].price)) return;
     int k = *num < most ? (*num)++ : most - 1;
     for (; k > 0 && ssv_clearly_less(price, list[k - 1].price); k--) list[k] = list[k - 1];
-    list[k] = (ssv_start_t){*trial, price, REAL(0)};
+    list[k] = (ssv_seed_t){*decision, price, REAL(0)};
 }
 
 // Fills the turns with this assembly, as if the vehicle were a sphere.
@@ -130,7 +130,7 @@ static void better(const ssv_question_t* question, vec3_t* n, real_t* price) {
     }
 }
 
-void ssv_handling(const ssv_question_t* question, ssv_handling_t* d) {
+void ssv_capability_init(const ssv_question_t* question, ssv_capability_t* d) {
     real_t price[SSV_NUM_DIRECTIONS], least = REAL(0);
     vec3_t n[SSV_NUM_DIRECTIONS];
     bool upright[SSV_NUM_DIRECTIONS];
@@ -165,16 +165,17 @@ void ssv_handling(const ssv_question_t* question, ssv_handling_t* d) {
     if (!d->either_way_up) d->num_upright = d->num;
 }
 
-int ssv_draw_transit(const ssv_task_t* task, const ssv_handling_t* handling, int most, ssv_start_t* list) {
-    const vec3_t way = vec3_sub(task->hold_I[1], task->hold_I[0]);
+int ssv_seed_transit(const ssv_phase_context_t* context, const ssv_capability_t* capability, int most,
+                     ssv_seed_t* list) {
+    const vec3_t way = vec3_sub(context->hold_I[1], context->hold_I[0]);
     const real_t distance = vec3_norm(way);
     const bool flies = distance > SSV_NO_WAY_M;
     const vec3_t direction_I = flies ? vec3_unit(way) : vec3(REAL(1), REAL(0), REAL(0));
-    const quat_t* q_end = task->transit.q_IS;
+    const quat_t* q_end = context->transit.q_IS;
     int num = 0;
-    for (int k = -SSV_NUM_ENDS; k < (flies ? handling->num : 0); k++) {
-        const vec3_t n_S = k < 0 ? quat_apply(quat_conj(q_end[k + SSV_NUM_ENDS]), direction_I) : handling->n[k];
-        const real_t fly = real_mul(distance, k < 0 ? ssv_metre_price(task->question, n_S) : handling->price[k]);
+    for (int k = -SSV_NUM_ENDS; k < (flies ? capability->num : 0); k++) {
+        const vec3_t n_S = k < 0 ? quat_apply(quat_conj(q_end[k + SSV_NUM_ENDS]), direction_I) : capability->n[k];
+        const real_t fly = real_mul(distance, k < 0 ? ssv_metre_price(context->question, n_S) : capability->price[k]);
         if (num == most && fly >= list[most - 1].price) continue;
         quat_t q[SSV_NUM_ENDS];
         for (int end = 0; end < SSV_NUM_ENDS; end++) {
@@ -182,11 +183,13 @@ int ssv_draw_transit(const ssv_task_t* task, const ssv_handling_t* handling, int
         }
         // Rolled about the way so that one of the turns is the smallest.
         for (int end = 0; end < (flies ? SSV_NUM_ENDS : 1); end++) {
-            const real_t to = fly + turn_guess(task->question, &handling->turns, quat_mul(quat_conj(q_end[0]), q[end]));
+            const real_t to =
+                fly + turn_guess(context->question, &capability->turns, quat_mul(quat_conj(q_end[0]), q[end]));
             if (num == most && to >= list[most - 1].price) continue;
-            const real_t from = turn_guess(task->question, &handling->turns, quat_mul(quat_conj(q[end]), q_end[1]));
-            const ssv_trial_t trial = {.q_IT = q[end], .n_S = n_S};
-            keep(list, &num, most, &trial, to + from);
+            const real_t from =
+                turn_guess(context->question, &capability->turns, quat_mul(quat_conj(q[end]), q_end[1]));
+            const ssv_decision_t decision = {.q_IT = q[end], .n_S = n_S};
+            keep(list, &num, most, &decision, to + from);
         }
     }
     return num;
@@ -194,8 +197,8 @@ int ssv_draw_transit(const ssv_task_t* task, const ssv_handling_t* handling, int
 
 // Sets how the vehicle holds the beam, and its attitude, so that n_S flies ahead along direction_I and the beam points
 // along axis_I; two rolls do. Where none does both, one does nearly. @return false for the second if there is but one.
-static bool point_beam(int side, vec3_t direction_I, vec3_t axis_I, ssv_trial_t* trial) {
-    const vec3_t n = trial->n_S;
+static bool point_beam(int side, vec3_t direction_I, vec3_t axis_I, ssv_decision_t* decision) {
+    const vec3_t n = decision->n_S;
     const real_t along = vec3_dot(direction_I, axis_I), reach = real_sqrt(real_sq(n.y) + real_sq(n.z));
     // The roll from where the beam leans on n most, by its cosine.
     real_t c = along < REAL(0) ? REAL(-1) : REAL(1), s = REAL(0);
@@ -207,79 +210,81 @@ static bool point_beam(int side, vec3_t direction_I, vec3_t axis_I, ssv_trial_t*
     }
     const real_t y = reach > REAL(0) ? real_div(n.y, reach) : REAL(1),
                  z = reach > REAL(0) ? real_div(n.z, reach) : REAL(0);
-    trial->axis_S = vec3(REAL(0), real_mul(y, c) - real_mul(z, s), real_mul(z, c) + real_mul(y, s));
-    trial->q_IT = ssv_attitude(n, trial->axis_S, direction_I, axis_I);
+    decision->axis_S = vec3(REAL(0), real_mul(y, c) - real_mul(z, s), real_mul(z, c) + real_mul(y, s));
+    decision->q_IT = ssv_attitude(n, decision->axis_S, direction_I, axis_I);
     return side < 0 || reach > real_abs(along) || !(reach > REAL(0));
 }
 
-static void set_twist(vec3_t twist, ssv_trial_t* trial) {
-    trial->x[SSV_X_TWIST] = twist.x;
-    trial->x[SSV_X_TWIST + 1] = twist.y;
-    trial->x[SSV_X_TWIST + 2] = twist.z;
+static void set_twist(vec3_t twist, ssv_decision_t* decision) {
+    decision->x[SSV_X_TWIST] = twist.x;
+    decision->x[SSV_X_TWIST + 1] = twist.y;
+    decision->x[SSV_X_TWIST + 2] = twist.z;
 }
 
 static real_t distance_between(const vec3_t p[SSV_NUM_ENDS]) { return vec3_norm(vec3_sub(p[1], p[0])); }
 
 // Keeps a trial, and the same with the turn at one end spun about the beam's axis there, by their guessed prices.
-static void keep_spins(const ssv_task_t* task, const ssv_turns_t* turns, int spun_end, int num_spins,
-                       real_t metre_price, real_t swing, ssv_trial_t* trial, int most, ssv_start_t* list, int* num) {
-    const ssv_scenario_t* s = &task->question->problem->scenario;
+static void keep_spins(const ssv_phase_context_t* context, const ssv_turns_t* turns, int spun_end, int num_spins,
+                       real_t metre_price, real_t swing, ssv_decision_t* decision, int most, ssv_seed_t* list,
+                       int* num) {
+    const ssv_scenario_t* s = &context->question->problem->scenario;
     const vec3_t ahead = vec3(s->standoff_m, REAL(0), REAL(0));
     const int other_end = 1 - spun_end;
     ssv_attitudes_t a;
-    ssv_trial_attitudes(task, trial, vec3_sub(task->hold_I[1], task->hold_I[0]), &a);
+    ssv_decision_attitudes(context, decision, vec3_sub(context->hold_I[1], context->hold_I[0]), &a);
     const quat_t unspun = a.q_IS[spun_end];
     vec3_t p_IS[SSV_NUM_ENDS];
-    p_IS[other_end] = vec3_sub(task->hold_I[other_end], quat_apply(a.q_IS[other_end], ahead));
-    real_t price = turn_guess(task->question, turns, quat_mul(quat_conj(a.q_IS[other_end]), a.q_IT[other_end]));
+    p_IS[other_end] = vec3_sub(context->hold_I[other_end], quat_apply(a.q_IS[other_end], ahead));
+    real_t price = turn_guess(context->question, turns, quat_mul(quat_conj(a.q_IS[other_end]), a.q_IT[other_end]));
     if (swing > REAL(0))
-        price += real_mul(swing, turn_guess(task->question, turns, quat_mul(quat_conj(a.q_IT[0]), a.q_IT[1])));
+        price += real_mul(swing, turn_guess(context->question, turns, quat_mul(quat_conj(a.q_IT[0]), a.q_IT[1])));
     for (int spin = 0; spin < num_spins; spin++) {
         const quat_t q_IS =
-            spin > 0 ? quat_mul(ssv_spin(task->transfer.axis_I[spun_end], spin, REAL(0)), unspun) : unspun;
-        trial->spin[spun_end] = spin;
-        p_IS[spun_end] = vec3_sub(task->hold_I[spun_end], quat_apply(q_IS, ahead));
+            spin > 0 ? quat_mul(ssv_spin(context->transfer.axis_I[spun_end], spin, REAL(0)), unspun) : unspun;
+        decision->spin[spun_end] = spin;
+        p_IS[spun_end] = vec3_sub(context->hold_I[spun_end], quat_apply(q_IS, ahead));
         const real_t fly = real_mul(distance_between(p_IS), metre_price);
-        keep(list, num, most, trial,
-             price + fly + turn_guess(task->question, turns, quat_mul(quat_conj(q_IS), a.q_IT[spun_end])));
+        keep(list, num, most, decision,
+             price + fly + turn_guess(context->question, turns, quat_mul(quat_conj(q_IS), a.q_IT[spun_end])));
     }
 }
 
-int ssv_draw_transfer(const ssv_task_t* task, ssv_handling_t* handling, ssv_carry_t carry, int most,
-                      ssv_start_t* list) {
-    const ssv_scenario_t* s = &task->question->problem->scenario;
-    const vec3_t* axis_I = task->transfer.axis_I;
-    const vec3_t way = vec3_sub(task->hold_I[1], task->hold_I[0]);
+int ssv_seed_transfer(const ssv_phase_context_t* context, ssv_capability_t* capability, ssv_attitude_mode_t carry,
+                      int most, ssv_seed_t* list) {
+    const ssv_scenario_t* s = &context->question->problem->scenario;
+    const vec3_t* axis_I = context->transfer.axis_I;
+    const vec3_t way = vec3_sub(context->hold_I[1], context->hold_I[0]);
     const vec3_t direction_I = vec3_norm(way) > SSV_NO_WAY_M ? vec3_unit(way) : axis_I[0];
     const quat_t smallest = quat_between(axis_I[0], axis_I[1]);
     const ssv_assembly_t assembly = {&s->vehicle,
                                      &s->beam,
-                                     {vec3(s->standoff_m, -task->height_m, REAL(0)),
+                                     {vec3(s->standoff_m, -context->height_m, REAL(0)),
                                       quat_between(vec3(REAL(0), REAL(0), REAL(1)), vec3(REAL(0), REAL(1), REAL(0)))}};
     int num = 0;
-    roll_turns(task->question->problem, &assembly, &handling->rolled);
+    roll_turns(context->question->problem, &assembly, &capability->rolled);
     for (int variant = 0; variant < (carry == SSV_SWUNG ? SSV_NUM_SPINS : SSV_NUM_ENDS); variant++) {
         if (carry == SSV_SWUNG && variant > LAST_SWING && variant < SSV_NUM_SPINS - LAST_SWING) continue;
         // A swing goes from where the beam lies to where it docks, half of it before the middle of the way.
         const vec3_t half_swing = ssv_half_of(quat_mul(ssv_spin(axis_I[1], variant, REAL(0)), smallest));
         const vec3_t middle_axis_I = quat_apply(ssv_turned_by(quat_identity(), half_swing), axis_I[0]);
-        for (int k = 0; k < handling->num_upright; k++) {
+        for (int k = 0; k < capability->num_upright; k++) {
             for (int side = -1; side <= 1; side += 2) {
-                ssv_trial_t trial = {.n_S = handling->n[k]};
+                ssv_decision_t decision = {.n_S = capability->n[k]};
                 const int end = carry == SSV_SWUNG ? 0 : variant, other_end = 1 - end;
-                if (!point_beam(side, direction_I, carry == SSV_SWUNG ? middle_axis_I : axis_I[end], &trial)) continue;
-                turns_at(&handling->rolled, trial.axis_S, &handling->carried);
+                if (!point_beam(side, direction_I, carry == SSV_SWUNG ? middle_axis_I : axis_I[end], &decision))
+                    continue;
+                turns_at(&capability->rolled, decision.axis_S, &capability->carried);
                 if (carry == SSV_SWUNG) {
-                    set_twist(quat_apply(quat_conj(trial.q_IT), half_swing), &trial);
+                    set_twist(quat_apply(quat_conj(decision.q_IT), half_swing), &decision);
                 } else if (carry == SSV_ROLLED) {
-                    const quat_t q_other = ssv_attitude(trial.n_S, trial.axis_S, direction_I, axis_I[other_end]);
-                    const vec3_t half = ssv_half_of(quat_mul(quat_conj(trial.q_IT), q_other));
-                    trial.q_IT = ssv_turned_by(trial.q_IT, half);
-                    set_twist(end == 0 ? half : vec3_neg(half), &trial);
+                    const quat_t q_other = ssv_attitude(decision.n_S, decision.axis_S, direction_I, axis_I[other_end]);
+                    const vec3_t half = ssv_half_of(quat_mul(quat_conj(decision.q_IT), q_other));
+                    decision.q_IT = ssv_turned_by(decision.q_IT, half);
+                    set_twist(end == 0 ? half : vec3_neg(half), &decision);
                 }
                 const bool spins = carry != SSV_SWUNG && !(other_end == 0 && s->ring_angle_given);
-                keep_spins(task, &handling->carried, other_end, spins ? SSV_NUM_SPINS : 1, handling->price[k],
-                           carry == SSV_SWUNG ? SWING_SHARE : REAL(0), &trial, most, list, &num);
+                keep_spins(context, &capability->carried, other_end, spins ? SSV_NUM_SPINS : 1, capability->price[k],
+                           carry == SSV_SWUNG ? SWING_SHARE : REAL(0), &decision, most, list, &num);
             }
         }
     }

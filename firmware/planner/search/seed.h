@@ -48,29 +48,31 @@ typedef struct {
     ssv_turns_t turns;                ///< without a beam
     ssv_rolled_turns_t rolled;        ///< with the beam of the transfer that is being drawn,
     ssv_turns_t carried;              ///< and as it is held
-} ssv_handling_t;
+} ssv_capability_t;
 
-void ssv_handling(const ssv_question_t* question, ssv_handling_t* handling);
+void ssv_capability_init(const ssv_question_t* question, ssv_capability_t* capability);
 
 /// A place where the search may start.
 typedef struct {
-    ssv_trial_t trial;
+    ssv_decision_t decision;
     real_t price, transit_price; ///< estimates; the latter of what is flown before
-} ssv_start_t;
+} ssv_seed_t;
 
 /// What the beam does on the way of a transfer: it keeps the attitude that it has at one of the ends, or it swings from
 /// one to the other, or it keeps that of one end but for a roll about the way.
-typedef enum { SSV_HELD, SSV_SWUNG, SSV_ROLLED } ssv_carry_t;
+typedef enum { SSV_HELD, SSV_SWUNG, SSV_ROLLED } ssv_attitude_mode_t;
 
 /// Starts of the transit: each cheap direction of the body along the way, and those that the attitudes at the ends fly
 /// along without a turn, rolled about the way so that the first turn or the last is the smallest. @return how many of
 /// `most`.
-int ssv_draw_transit(const ssv_task_t* task, const ssv_handling_t* handling, int most, ssv_start_t* list);
+int ssv_seed_transit(const ssv_phase_context_t* context, const ssv_capability_t* capability, int most,
+                     ssv_seed_t* list);
 
 /// Starts of the transfer. Two small turns cost more than one large: so each cheap direction of the body along the way,
 /// the beam pointing as it lies, or as it docks, and the turn at the other end with all its spins. Or all of the turn
 /// is made on the way. The spins also decide on which sides of the beam the flight begins and ends, so how long it is.
 /// @return how many of `most`.
-int ssv_draw_transfer(const ssv_task_t* task, ssv_handling_t* handling, ssv_carry_t carry, int most, ssv_start_t* list);
+int ssv_seed_transfer(const ssv_phase_context_t* context, ssv_capability_t* capability, ssv_attitude_mode_t carry,
+                      int most, ssv_seed_t* list);
 
 #endif

@@ -31,18 +31,18 @@ static void list_candidates(const ssv_scenario_t* scenario, ssv_quote_t* quote) 
 }
 
 // The paper's chain of each candidate that may be cheaper than what is known.
-static void search_paper(const ssv_question_t* question, ssv_quote_t* quote, ssv_chain_t* best) {
+static void search_paper(const ssv_question_t* question, ssv_quote_t* quote, ssv_path_t* best) {
     const ssv_price_t to_beat = best->price;
-    ssv_chain_t chain;
-    ssv_flight_t to_beam = {.num_moves = 0};
+    ssv_path_t path;
+    ssv_phase_path_t to_beam = {.num_maneuvers = 0};
     for (int k = 0; k < quote->num_candidates; k++) {
         ssv_candidate_t* candidate = &quote->candidate[k];
         const int contact = candidate->contact;
-        if (!ssv_search_paper(question, contact, candidate->attach_height_m, &to_beat, &to_beam, &chain,
+        if (!ssv_search_paper(question, contact, candidate->attach_height_m, &to_beat, &to_beam, &path,
                               &quote->num_priced))
             continue;
-        improve(candidate, ssv_candidate_of(&chain.grasp, &chain.price));
-        if (ssv_price_beats(&chain.price, &best->price)) *best = chain;
+        improve(candidate, ssv_candidate_of(&path.grasp, &path.price));
+        if (ssv_price_beats(&path.price, &best->price)) *best = path;
     }
 }
 
@@ -62,7 +62,7 @@ static int least_of(const real_t price[SSV_MAX_CANDIDATES], const bool done[SSV_
 
 // Searches a candidate, with a look before if effort quick needs one.
 static ssv_candidate_t search_at(const ssv_question_t* question, ssv_search_t* search, int contact, real_t height_m,
-                                 ssv_effort_t effort, bool looked, ssv_chain_t* best, int* num_priced) {
+                                 ssv_effort_t effort, bool looked, ssv_path_t* best, int* num_priced) {
     if (!looked && effort == SSV_EFFORT_QUICK)
         (void)ssv_optimal_look(question, search, contact, height_m, NULL, num_priced);
     return ssv_search_optimal(question, search, contact, height_m, effort, best, num_priced);
@@ -70,15 +70,15 @@ static ssv_candidate_t search_at(const ssv_question_t* question, ssv_search_t* s
 
 // A look at the candidates with short ways, then a search of the most promising; of all if all are to be listed.
 SSV_OWN_FRAME static void search_optimal(const ssv_question_t* question, ssv_search_t* search, ssv_effort_t effort,
-                                         ssv_quote_t* quote, ssv_chain_t* best) {
+                                         ssv_quote_t* quote, ssv_path_t* best) {
     const bool all = question->list_candidates;
     real_t promise[SSV_MAX_CANDIDATES], turns = REAL(0);
     int favourite = -1; // after the looks so far
     bool looked[SSV_MAX_CANDIDATES] = {false}, done[SSV_MAX_CANDIDATES] = {false};
-    ssv_handling(question, &search->handling);
+    ssv_capability_init(question, &search->capability);
     for (int k = 0; k < quote->num_candidates; k++) {
         const ssv_candidate_t* candidate = &quote->candidate[k];
-        promise[k] = ssv_optimal_flights(question, &search->handling, candidate->contact, candidate->attach_height_m);
+        promise[k] = ssv_optimal_flights(question, &search->capability, candidate->contact, candidate->attach_height_m);
     }
     for (int n = 0; n < quote->num_candidates; n++) {
         const int next = least_of(promise, looked, quote->num_candidates);
@@ -115,7 +115,7 @@ SSV_OWN_FRAME static void search_optimal(const ssv_question_t* question, ssv_sea
 #define FIRST_HEIGHT_STEP REAL(0.125) // of the beam
 #define NUM_HEIGHT_STEPS 6
 static void search_along_beam(const ssv_question_t* question, ssv_search_t* search, ssv_quote_t* quote,
-                              ssv_chain_t* best) {
+                              ssv_path_t* best) {
     const real_t length = question->problem->scenario.beam.length_m, end = real_mul(REAL(0.5), length);
     real_t step = real_mul(FIRST_HEIGHT_STEP, length);
     for (int n = 0; n < NUM_HEIGHT_STEPS && best->price.outcome == SSV_FEASIBLE; n++) {
@@ -131,8 +131,7 @@ static void search_along_beam(const ssv_question_t* question, ssv_search_t* sear
 }
 
 // Effort best: every candidate, and the best height between them.
-static void search_closely(const ssv_question_t* question, ssv_search_t* search, ssv_quote_t* quote,
-                           ssv_chain_t* best) {
+static void search_closely(const ssv_question_t* question, ssv_search_t* search, ssv_quote_t* quote, ssv_path_t* best) {
     const bool between = question->problem->scenario.attach_anywhere && best->price.outcome == SSV_FEASIBLE;
     const int contact = between ? best->grasp.contact : 0;
     const real_t height_m = between ? best->grasp.height_m : REAL(0);
@@ -145,7 +144,7 @@ _Static_assert(sizeof(ssv_search_t) <= sizeof(ssv_work_t), "the search fits the 
 _Static_assert(_Alignof(ssv_search_t) <= _Alignof(ssv_work_t), "the search may stand where that memory is");
 
 // An empty quote with the candidates that there are.
-static void begin(const ssv_question_t* question, ssv_quote_t* quote, ssv_chain_t* best) {
+static void begin(const ssv_question_t* question, ssv_quote_t* quote, ssv_path_t* best) {
     memset(quote, 0, sizeof *quote);
     quote->status = SSV_INFEASIBLE;
     quote->scenario_hash = question->problem->scenario_hash;
@@ -153,7 +152,7 @@ static void begin(const ssv_question_t* question, ssv_quote_t* quote, ssv_chain_
     list_candidates(&question->problem->scenario, quote);
 }
 
-bool ssv_choose(const ssv_question_t* question, ssv_work_t* work, ssv_quote_t* quote, ssv_chain_t* best) {
+bool ssv_choose(const ssv_question_t* question, ssv_work_t* work, ssv_quote_t* quote, ssv_path_t* best) {
     const ssv_scenario_t* scenario = &question->problem->scenario;
     begin(question, quote, best);
     if (question->method == SSV_METHOD_OPTIMAL) {
@@ -168,20 +167,20 @@ bool ssv_choose(const ssv_question_t* question, ssv_work_t* work, ssv_quote_t* q
     return best->price.outcome == SSV_FEASIBLE;
 }
 
-bool ssv_choose_another(const ssv_question_t* question, ssv_outcome_t outcome, ssv_quote_t* quote, ssv_chain_t* chain) {
+bool ssv_choose_next(const ssv_question_t* question, ssv_outcome_t outcome, ssv_quote_t* quote, ssv_path_t* path) {
     int k = cheapest(quote);
     if (k >= 0) quote->candidate[k].outcome = outcome;
     k = cheapest(quote);
     if (k < 0) return false;
     const ssv_candidate_t* candidate = &quote->candidate[k];
-    ssv_flight_t to_beam = {.num_moves = 0};
-    (void)ssv_search_paper(question, candidate->contact, candidate->attach_height_m, NULL, &to_beam, chain,
+    ssv_phase_path_t to_beam = {.num_maneuvers = 0};
+    (void)ssv_search_paper(question, candidate->contact, candidate->attach_height_m, NULL, &to_beam, path,
                            &quote->num_priced);
     return true;
 }
 
-void ssv_quote_settle(const ssv_question_t* question, const ssv_chain_t* chain, ssv_quote_t* quote) {
-    quote->choice = ssv_candidate_of(&chain->grasp, &chain->price);
+void ssv_quote_finish_price(const ssv_question_t* question, const ssv_path_t* path, ssv_quote_t* quote) {
+    quote->choice = ssv_candidate_of(&path->grasp, &path->price);
     quote->status = SSV_OK;
     quote->cost = quote->choice.cost;
     quote->time_s = quote->choice.time_s;
@@ -190,7 +189,7 @@ void ssv_quote_settle(const ssv_question_t* question, const ssv_chain_t* chain, 
     for (int k = 0; k < quote->num_candidates; k++) {
         ssv_candidate_t* candidate = &quote->candidate[k];
         const bool chosen =
-            candidate->contact == chain->grasp.contact && candidate->attach_height_m == chain->grasp.height_m;
+            candidate->contact == path->grasp.contact && candidate->attach_height_m == path->grasp.height_m;
         if (chosen) *candidate = quote->choice;
     }
     if (question->list_candidates) return;
@@ -198,7 +197,7 @@ void ssv_quote_settle(const ssv_question_t* question, const ssv_chain_t* chain, 
     memset(quote->candidate, 0, sizeof quote->candidate);
 }
 
-ssv_status_t ssv_quote_conclude(const ssv_question_t* question, uint32_t overflows, ssv_quote_t* quote) {
+ssv_status_t ssv_quote_finish_status(const ssv_question_t* question, uint32_t overflows, ssv_quote_t* quote) {
     if (real_overflows() == overflows && real_is_finite(quote->cost)) {
         // What motions that did not fit a plan added up is no price.
         if (quote->status != SSV_OK) quote->cost = quote->time_s = quote->impulse_Ns = REAL(0);
@@ -212,9 +211,9 @@ ssv_status_t ssv_quote_conclude(const ssv_question_t* question, uint32_t overflo
 
 static ssv_status_t quote_of(const ssv_question_t* question, ssv_work_t* work, ssv_quote_t* quote) {
     const uint32_t overflows = real_overflows();
-    ssv_chain_t chain;
-    if (ssv_choose(question, work, quote, &chain)) ssv_quote_settle(question, &chain, quote);
-    return ssv_quote_conclude(question, overflows, quote);
+    ssv_path_t path;
+    if (ssv_choose(question, work, quote, &path)) ssv_quote_finish_price(question, &path, quote);
+    return ssv_quote_finish_status(question, overflows, quote);
 }
 
 ssv_status_t ssv_quote(const ssv_problem_t* problem, ssv_work_t* work, ssv_quote_t* quote) {
