@@ -34,18 +34,18 @@ static void fit(const real_t u[NUM_CHECKS], real_t limit, real_t* u_start, real_
     *u_end = mean + swing;
 }
 
-// Speed, thrusts and how they bend, along a piece.
+// Speed, thrusts and how they bend, along an arc.
 typedef struct {
-    const ssv_piece_t* piece;
+    const ssv_arc_t* arc;
     real_t thrust[N][3]; // as quadratics in v
     real_t force_max_N;
-    int unit; // of time, for how they bend: 2^unit s, shorter where the piece is short
+    int unit; // of time, for how they bend: 2^unit s, shorter where the arc is short
 } track_t;
 
-static track_t track_of(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece) {
-    const int unit = real_exponent(piece->duration_s);
-    track_t track = {.piece = piece, .force_max_N = thrusts->force_max_N, .unit = unit < 0 ? unit : 0};
-    for (int i = 0; i < N; i++) ssv_piece_thrust(thrusts, piece, i, track.thrust[i]);
+static track_t track_of(const ssv_thrusts_t* thrusts, const ssv_arc_t* arc) {
+    const int unit = real_exponent(arc->duration_s);
+    track_t track = {.arc = arc, .force_max_N = thrusts->force_max_N, .unit = unit < 0 ? unit : 0};
+    for (int i = 0; i < N; i++) ssv_arc_thrust(thrusts, arc, i, track.thrust[i]);
     return track;
 }
 
@@ -54,8 +54,8 @@ static bool is_constant(const real_t c[3]) { return c[1] == REAL(0) && c[2] == R
 // The longest stretch, up to h, whose lines err no more than allowed if all of it bent as the thrusts do at time t: the
 // error of a line is a twelfth of the second derivative times the square of the length.
 static real_t stretch_at(const track_t* track, real_t t, real_t h, real_t drift_max_s2) {
-    const real_t* law = track->piece->law;
-    const real_t v = ssv_piece_speed(track->piece, t);
+    const real_t* law = track->arc->dv_dt;
+    const real_t v = ssv_arc_speed(track->arc, t);
     const real_t slope = real_scale(law[1] + real_mul(REAL(2), real_mul(law[2], v)), track->unit);
     const real_t accel = real_scale(ssv_quadratic_at(law, v), track->unit), jerk = real_mul(accel, slope);
     const real_t squared = real_mul(REAL(2), real_sq(accel) + real_mul(v, jerk));
@@ -74,24 +74,24 @@ static real_t stretch_at(const track_t* track, real_t t, real_t h, real_t drift_
 
 // How long the next segment may be, about: judged at its start, then at its middle.
 static real_t next_length(const track_t* track, real_t t, real_t drift_max_s2) {
-    const real_t left = track->piece->duration_s - t, h = stretch_at(track, t, left, drift_max_s2);
+    const real_t left = track->arc->duration_s - t, h = stretch_at(track, t, left, drift_max_s2);
     return stretch_at(track, t + real_mul(REAL(0.5), h), left, drift_max_s2);
 }
 
-int ssv_timeline_count(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t drift_max_s2) {
-    const track_t track = track_of(thrusts, piece);
+int ssv_timeline_count(const ssv_thrusts_t* thrusts, const ssv_arc_t* arc, real_t drift_max_s2) {
+    const track_t track = track_of(thrusts, arc);
     int num = 0;
     real_t t = REAL(0);
-    for (; num < SSV_MAX_SEGMENTS && t < piece->duration_s; num++) t += next_length(&track, t, drift_max_s2);
+    for (; num < SSV_MAX_SEGMENTS && t < arc->duration_s; num++) t += next_length(&track, t, drift_max_s2);
     return num;
 }
 
-// Fills the segment's thrusts for a stretch of the piece; returns the largest error over force_max.
+// Fills the segment's thrusts for a stretch of the arc; returns the largest error over force_max.
 static real_t fit_all(const track_t* track, real_t t, real_t h, ssv_segment_t* segment) {
     real_t at[NUM_CHECKS], v[NUM_CHECKS], worst = REAL(0);
     for (int k = 0; k < NUM_CHECKS; k++) {
         at[k] = k < NUM_NODES ? node[k] : real_from_int(k - NUM_NODES);
-        v[k] = ssv_piece_speed(track->piece, t + real_mul(h, at[k]));
+        v[k] = ssv_arc_speed(track->arc, t + real_mul(h, at[k]));
     }
     for (int i = 0; i < N; i++) {
         const real_t* c = track->thrust[i];
@@ -111,14 +111,14 @@ static real_t fit_all(const track_t* track, real_t t, real_t h, ssv_segment_t* s
     return real_div(worst, track->force_max_N);
 }
 
-ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, real_t t_s, int leg,
+ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_arc_t* arc, real_t t_s, int leg,
                                   real_t drift_max_s2, ssv_plan_t* plan) {
-    const track_t track = track_of(thrusts, piece);
+    const track_t track = track_of(thrusts, arc);
     real_t t = REAL(0);
-    while (t < piece->duration_s) {
+    while (t < arc->duration_s) {
         if (plan->num_segments == SSV_MAX_SEGMENTS) return SSV_TOO_MANY_SEGMENTS;
         ssv_segment_t* segment = &plan->segment[plan->num_segments++];
-        const real_t left = piece->duration_s - t;
+        const real_t left = arc->duration_s - t;
         real_t h = next_length(&track, t, drift_max_s2);
         bool fits = false;
         for (int n = 0; n < MAX_TRIALS; n++) {
@@ -135,7 +135,7 @@ ssv_outcome_t ssv_timeline_append(const ssv_thrusts_t* thrusts, const ssv_piece_
         segment->t_s = t_s + t;
         segment->duration_s = h;
         segment->leg = leg;
-        t = h < left ? t + h : piece->duration_s;
+        t = h < left ? t + h : arc->duration_s;
     }
     return SSV_FEASIBLE;
 }

@@ -65,21 +65,21 @@ static void test_leg_without_drag_speeds_up_and_brakes_at_constant_rate(void) {
     solve(&t, SSV_FULL_REVERSE, 0.001, 2.5);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2 * sqrt(2.5 / 0.6), profile.duration_s); // a = 6 N / 10 kg
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, sqrt(2.5 * 0.6), profile.peak_speed);
-    TEST_ASSERT_EQUAL_INT(2, profile.num_pieces);
+    TEST_ASSERT_EQUAL_INT(2, profile.num_arcs);
 }
 
 static void test_drag_only_ramp_gives_no_thrust_above_its_cutoff_and_full_reverse_below(void) {
     const ssv_thrusts_t t = straight();
     solve(&t, SSV_DRAG_ONLY, 0.001, 3.476);
-    const ssv_piece_t* coast = &profile.piece[profile.num_pieces - 2];
-    const ssv_piece_t* brake = &profile.piece[profile.num_pieces - 1];
+    const ssv_arc_t* coast = &profile.arc[profile.num_arcs - 2];
+    const ssv_arc_t* brake = &profile.arc[profile.num_arcs - 1];
     double c[3];
-    ssv_piece_thrust(&t, coast, 0, c);
+    ssv_arc_thrust(&t, coast, 0, c);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, fabs(c[0]) + fabs(c[1]) + fabs(c[2]));
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 0.001, coast->v_end);
     // The coast is an exponential decay from terminal speed.
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, MASS / DRAG * log(2 * FORCE / DRAG / 0.001), coast->duration_s);
-    ssv_piece_thrust(&t, brake, 0, c);
+    ssv_arc_thrust(&t, brake, 0, c);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, -FORCE, c[0]);
     TEST_ASSERT_EQUAL_DOUBLE(0, brake->v_end);
 }
@@ -92,21 +92,21 @@ static void test_drag_only_needs_less_impulse_and_more_time_than_full_reverse(vo
     TEST_ASSERT_TRUE(profile.duration_s > time && profile.impulse_Ns < impulse);
 }
 
-static void test_pieces_join_in_time_speed_and_distance_and_cover_the_leg(void) {
+static void test_arcs_join_in_time_speed_and_distance_and_cover_the_leg(void) {
     const ssv_thrusts_t t = {{30, -25, 4, 9, 0, -2}, {210, -190, 15, 0, 3, 1}, {40, 0, -60, 25, 9, 0}, FORCE};
     static const double stroke[] = {1e-6, 1e-3, 0.02, 0.5, 20};
     for (int k = 0; k < 5; k++) {
         for (int ramp = SSV_FULL_REVERSE; ramp <= SSV_DRAG_ONLY; ramp++) {
             solve(&t, (ssv_ramp_t)ramp, 0.001, stroke[k]);
             double time = 0, distance = 0, speed = 0;
-            for (int i = 0; i < profile.num_pieces; i++) {
-                const ssv_piece_t* p = &profile.piece[i];
+            for (int i = 0; i < profile.num_arcs; i++) {
+                const ssv_arc_t* p = &profile.arc[i];
                 TEST_ASSERT_DOUBLE_WITHIN(1e-9 * profile.duration_s, time, p->t_s);
                 TEST_ASSERT_DOUBLE_WITHIN(1e-9 * stroke[k], distance, p->s);
                 TEST_ASSERT_EQUAL_DOUBLE(speed, p->v_start);
-                TEST_ASSERT_DOUBLE_WITHIN(1e-9 * profile.peak_speed, p->v_end, ssv_piece_speed(p, p->duration_s));
+                TEST_ASSERT_DOUBLE_WITHIN(1e-9 * profile.peak_speed, p->v_end, ssv_arc_speed(p, p->duration_s));
                 time += p->duration_s;
-                distance += ssv_piece_moments(p, p->v_start, p->v_end, p->duration_s).distance;
+                distance += ssv_arc_moments(p, p->v_start, p->v_end, p->duration_s).distance;
                 speed = p->v_end;
             }
             TEST_ASSERT_EQUAL_DOUBLE(0, speed);
@@ -144,7 +144,7 @@ int main(void) {
     RUN_TEST(test_leg_without_drag_speeds_up_and_brakes_at_constant_rate);
     RUN_TEST(test_drag_only_ramp_gives_no_thrust_above_its_cutoff_and_full_reverse_below);
     RUN_TEST(test_drag_only_needs_less_impulse_and_more_time_than_full_reverse);
-    RUN_TEST(test_pieces_join_in_time_speed_and_distance_and_cover_the_leg);
+    RUN_TEST(test_arcs_join_in_time_speed_and_distance_and_cover_the_leg);
     RUN_TEST(test_leg_that_no_thruster_acts_on_has_no_authority);
     RUN_TEST(test_drag_only_is_refused_where_least_thrust_does_not_slow_the_body);
     RUN_TEST(test_leg_longer_than_the_longest_plan_is_too_long);

@@ -154,7 +154,7 @@ ssv_price_t ssv_move_price(const ssv_problem_t* problem, const ssv_move_t* move,
 ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
                            ssv_profile_t* profile, ssv_ramp_t* ramp) {
     const ssv_scenario_t* scenario = &problem->scenario;
-    profile->num_pieces = 0;
+    profile->num_arcs = 0;
     *ramp = SSV_OPTIMAL;
     if (scenario->method == SSV_METHOD_PAPER || !(move->length > REAL(0))) {
         const ssv_price_t price = ssv_move_price(problem, move, thrusts, ramp);

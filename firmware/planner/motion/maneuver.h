@@ -57,7 +57,7 @@ void ssv_move_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assemb
 ssv_price_t ssv_move_price(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
                            ssv_ramp_t* ramp);
 
-/// The same with the profile; a move of length 0 has no pieces.
+/// The same with the profile; a move of length 0 has no arcs.
 ssv_price_t ssv_move_solve(const ssv_problem_t* problem, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
                            ssv_profile_t* profile, ssv_ramp_t* ramp);
 

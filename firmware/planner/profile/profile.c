@@ -4,8 +4,8 @@
 #include "planner/profile/ramp.h"
 
 #define N SSV_NUM_THRUSTERS
-// One piece is the cruise.
-#define MAX_STRETCHES (SSV_MAX_PROFILE_PIECES - 1)
+// One arc is the cruise.
+#define MAX_STRETCHES (SSV_MAX_PROFILE_ARCS - 1)
 #define NUM_GUESSES 3
 #define MAX_NEWTON 60
 #define SURELY 8
@@ -44,26 +44,26 @@
 // A thrust below this fraction of the limit is none.
 #define NO_THRUST real_max(REAL(1e-11), 16 * REAL_NOISE)
 
-real_t ssv_piece_speed(const ssv_piece_t* piece, real_t t_s) {
-    if (piece->v_start == piece->v_end) return piece->v_start;
+real_t ssv_arc_speed(const ssv_arc_t* arc, real_t t_s) {
+    if (arc->v_start == arc->v_end) return arc->v_start;
     // From the end that is farther from a terminal speed: time there says little of the speed, the other way round it
     // is exact.
-    const real_t Q_start = real_abs(ssv_quadratic_at(piece->law, piece->v_start));
-    const real_t Q_end = real_abs(ssv_quadratic_at(piece->law, piece->v_end));
-    const real_t v = Q_start >= Q_end ? ssv_law_speed(piece->law, piece->v_start, t_s)
-                                      : ssv_law_speed(piece->law, piece->v_end, t_s - piece->duration_s);
-    return real_max(real_min(piece->v_start, piece->v_end), real_min(real_max(piece->v_start, piece->v_end), v));
+    const real_t Q_start = real_abs(ssv_quadratic_at(arc->dv_dt, arc->v_start));
+    const real_t Q_end = real_abs(ssv_quadratic_at(arc->dv_dt, arc->v_end));
+    const real_t v = Q_start >= Q_end ? ssv_law_speed(arc->dv_dt, arc->v_start, t_s)
+                                      : ssv_law_speed(arc->dv_dt, arc->v_end, t_s - arc->duration_s);
+    return real_max(real_min(arc->v_start, arc->v_end), real_min(real_max(arc->v_start, arc->v_end), v));
 }
 
-ssv_moments_t ssv_piece_moments(const ssv_piece_t* piece, real_t v_from, real_t v_to, real_t time_s) {
-    return ssv_law_moments(piece->law, v_from, v_to, time_s);
+ssv_moments_t ssv_arc_moments(const ssv_arc_t* arc, real_t v_from, real_t v_to, real_t time_s) {
+    return ssv_law_moments(arc->dv_dt, v_from, v_to, time_s);
 }
 
-void ssv_piece_thrust(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, int i, real_t c[3]) {
+void ssv_arc_thrust(const ssv_thrusts_t* thrusts, const ssv_arc_t* arc, int i, real_t c[3]) {
     const real_t A = thrusts->accel[i];
-    c[0] = real_mul(A, piece->law[0]);
-    c[1] = real_mul(A, piece->law[1]) + thrusts->linear[i];
-    c[2] = real_mul(A, piece->law[2]) + thrusts->quadratic[i];
+    c[0] = real_mul(A, arc->dv_dt[0]);
+    c[1] = real_mul(A, arc->dv_dt[1]) + thrusts->linear[i];
+    c[2] = real_mul(A, arc->dv_dt[2]) + thrusts->quadratic[i];
 }
 
 // ---- Where the ramps meet
@@ -200,11 +200,11 @@ static ssv_outcome_t solve_paper(leg_t* leg, ssv_ramp_t ramp) {
     restart(&leg->slow);
     if (leg->up.num == 0) {
         ssv_steering_up_to(&leg->steering, top);
-        if (!extend(leg, SSV_SPEED_UP, top, &leg->up)) return SSV_TOO_MANY_PIECES;
+        if (!extend(leg, SSV_SPEED_UP, top, &leg->up)) return SSV_TOO_MANY_ARCS;
         ssv_ramp_measure(laws, &leg->up);
     }
     if (!extend(leg, SSV_BRAKE, reverse_from, &leg->slow) || !extend(leg, SSV_COAST, top, &leg->slow))
-        return SSV_TOO_MANY_PIECES;
+        return SSV_TOO_MANY_ARCS;
     ssv_ramp_keep_slowing(laws, &leg->slow);
     const real_t highest = ssv_ramp_top(&leg->slow);
     if (highest < top && highest <= reverse_from) return SSV_NO_AUTHORITY;
@@ -303,7 +303,7 @@ static ssv_outcome_t solve_optimal(leg_t* leg) {
     decide_coasts(leg, peak);
     for (int n = 0; n < MAX_FALSI; n++) {
         if (!(peak > REAL(0))) return too_slow(leg);
-        if (!thrifty_ramps(leg, peak, a)) return SSV_TOO_MANY_PIECES;
+        if (!thrifty_ramps(leg, peak, a)) return SSV_TOO_MANY_ARCS;
         const real_t hold = worth_holding(leg, peak, a);
         const real_t covered = real_sqrt(real_div(leg->distance - leg->cruise + hold, leg->distance));
         const real_t miss = covered - REAL(1) + SHORT_BY;
@@ -326,7 +326,7 @@ static ssv_outcome_t solve_optimal(leg_t* leg) {
         }
     }
     if (!(low > REAL(0))) return too_slow(leg);
-    return thrifty_ramps(leg, low, a) ? SSV_FEASIBLE : SSV_TOO_MANY_PIECES;
+    return thrifty_ramps(leg, low, a) ? SSV_FEASIBLE : SSV_TOO_MANY_ARCS;
 }
 
 static ssv_outcome_t solve(leg_t* leg, ssv_ramp_t ramp) {
@@ -375,7 +375,7 @@ static real_t impulse(const leg_t* leg, const real_t law[3], const ssv_stretch_t
     return sum;
 }
 
-// A piece in time: its law, stretch and impulse in the leg's units.
+// An arc in time: its law, stretch and impulse in the leg's units.
 typedef struct {
     real_t law[3], impulse;
     const ssv_stretch_t* stretch;
@@ -406,7 +406,7 @@ static void take_part(leg_t* leg, int n, part_t* part) {
 // Longest time in a leg's units, as a power of two, that SI units can hold.
 #define LONGEST_EXPONENT 24
 
-// Adds the part to the price, and as a piece to the profile unless that is NULL; it begins at `from` in the leg's
+// Adds the part to the price, and as an arc to the profile unless that is NULL; it begins at `from` in the leg's
 // units.
 static void append(const leg_t* leg, const part_t* part, real_t from, ssv_profile_price_t* price,
                    ssv_profile_t* profile) {
@@ -415,14 +415,14 @@ static void append(const leg_t* leg, const part_t* part, real_t from, ssv_profil
                  high = real_scale(part->stretch->v_high, unit->speed);
     const real_t duration_s = real_scale(part->stretch->m.time, unit->time);
     if (profile != NULL) {
-        ssv_piece_t* piece = &profile->piece[profile->num_pieces++];
-        *piece = (ssv_piece_t){.t_s = price->duration_s,
-                               .duration_s = duration_s,
-                               .s = real_scale(from, unit->length),
-                               .v_start = part->falls ? high : low,
-                               .v_end = part->falls ? low : high};
+        ssv_arc_t* arc = &profile->arc[profile->num_arcs++];
+        *arc = (ssv_arc_t){.t_s = price->duration_s,
+                           .duration_s = duration_s,
+                           .s = real_scale(from, unit->length),
+                           .v_start = part->falls ? high : low,
+                           .v_end = part->falls ? low : high};
         for (int n = 0; n < 3; n++)
-            piece->law[n] = real_scale(part->law[n], unit->speed - unit->time - n * unit->speed);
+            arc->dv_dt[n] = real_scale(part->law[n], unit->speed - unit->time - n * unit->speed);
     }
     price->duration_s += duration_s;
     price->impulse_Ns += real_scale(part->impulse, unit->time + unit->force);
@@ -466,7 +466,7 @@ ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, const ssv_rule_t* 
                                 ssv_profile_t* profile) {
     leg_t leg;
     const ssv_outcome_t outcome = begin(thrusts, rule, distance, &leg);
-    profile->num_pieces = 0;
+    profile->num_arcs = 0;
     const ssv_profile_price_t price =
         finish(&leg, outcome == SSV_FEASIBLE ? solve(&leg, rule->ramp) : outcome, profile);
     profile->duration_s = price.duration_s;
