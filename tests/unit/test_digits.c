@@ -1,4 +1,4 @@
-// Vectors, poses, laws, profiles and timelines in every scalar: what is short, slow or nearly equal keeps its digits,
+// Vectors, poses, groups, profiles and timelines in every scalar: what is short, slow or nearly equal keeps its digits,
 // too.
 #include <math.h>
 #include <string.h>
@@ -54,7 +54,7 @@ static void test_a_slow_coast_is_as_long_as_its_drag_says(void) {
     const real_t law[3] = {REAL(0), real_from_double(b), real_from_double(c)};
     for (int n = 0; n < NUM_OF_EACH; n++) {
         const double fast = pow(10, task_between(-5, -2)), slow = fast * task_between(0.2, 0.6);
-        const ssv_moments_t m = ssv_law_integrals(law, real_from_double(fast), real_from_double(slow));
+        const ssv_moments_t m = ssv_moments_between(law, real_from_double(fast), real_from_double(slow));
         const long double expected =
             log1pl((long double)(c * (slow - fast)) / (long double)(b + c * fast)) / (long double)c;
         // A part in ten thousand for the speeds' digits in fixed point, and its last digit.
@@ -172,7 +172,7 @@ static void test_an_arc_whose_thrusts_bend_within_a_fraction_of_a_millisecond_ha
         ssv_arc_t arc = {.dv_dt = {real_from_double(pull - slope * v), real_from_double(slope)},
                          .v_start = real_from_double(v),
                          .duration_s = real_from_double(task_between(1, 2) / -slope)};
-        arc.v_end = ssv_law_speed(arc.dv_dt, arc.v_start, arc.duration_s);
+        arc.v_end = ssv_speed_after(arc.dv_dt, arc.v_start, arc.duration_s);
         const uint32_t overflows = real_overflows();
         plan.num_segments = 0;
         TEST_ASSERT_EQUAL(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &arc, REAL(0), 0, drift_max_s2, &plan));
@@ -208,15 +208,15 @@ static void test_a_leg_too_slow_for_the_scalar_is_an_honest_outcome(void) {
 
 // Whoever reads a ramp may be given an empty one, whose stretches hold nothing.
 static void test_an_empty_ramp_covers_no_distance_and_has_no_stretch_to_read(void) {
-    ssv_laws_t laws = {.num = 1, .weight = {REAL(1)}, .limit = {REAL(1)}, .total = REAL(1)};
+    ssv_thruster_groups_t groups = {.num = 1, .weight = {REAL(1)}, .limit = {REAL(1)}, .total = REAL(1)};
     ssv_ramp_table_t ramp = {.first = NULL, .step = 1};
     real_t a = REAL(7);
-    TEST_ASSERT_TRUE(ssv_ramp_top(&ramp) == REAL(0));
-    TEST_ASSERT_TRUE(ssv_ramp_reach(&laws, &ramp, REAL(1), &a) == REAL(0));
-    TEST_ASSERT_TRUE(a == REAL(0) && ramp.last == -1 && !ssv_ramp_idles(&ramp));
-    TEST_ASSERT_TRUE(ssv_ramp_acceleration(&laws, &ramp, REAL(1)) == REAL(0));
-    ssv_ramp_measure(&laws, &ramp);
-    ssv_ramp_keep_slowing(&laws, &ramp);
+    TEST_ASSERT_TRUE(ssv_ramp_top_speed(&ramp) == REAL(0));
+    TEST_ASSERT_TRUE(ssv_ramp_distance_to(&groups, &ramp, REAL(1), &a) == REAL(0));
+    TEST_ASSERT_TRUE(a == REAL(0) && ramp.last == -1 && !ssv_ramp_ends_coasting(&ramp));
+    TEST_ASSERT_TRUE(ssv_ramp_acceleration(&groups, &ramp, REAL(1)) == REAL(0));
+    ssv_ramp_measure(&groups, &ramp);
+    ssv_ramp_keep_slowing(&groups, &ramp);
     TEST_ASSERT_EQUAL_INT(0, ramp.num);
 }
 

@@ -1,15 +1,17 @@
 /// The speed along one leg over time, rest to rest, in closed form (DESIGN.md 5). Knows thrusts and limits, nothing of
 /// bodies.
 ///
-/// Along a leg with speed v and acceleration a thruster i gives u_i = accel[i] a + linear[i] v + quadratic[i] v^2
-/// (paper Eqs. 6, 7, 11, 15 in one), |u_i| <= force_max. Binding a thruster to a constant thrust makes dv/dt a
-/// quadratic in v, a "law"; a profile is a chain of arcs with one law each, and time, distance and impulse of an arc
+/// Along a leg with speed v and acceleration a, thruster i gives u_i = accel[i] a + linear[i] v + quadratic[i] v^2
+/// (paper Eqs. 6, 7, 11, 15 in one), |u_i| <= force_max. A thruster that is bound to a constant thrust makes dv/dt a
+/// quadratic in v. A profile is a chain of arcs, each with one such quadratic, and time, distance and impulse of an arc
 /// have closed forms.
 #ifndef SSV_PROFILE_H
 #define SSV_PROFILE_H
 
 #include "planner/profile/arc.h"
 #include "planner/profile/limits.h"
+#include "ssv/plan.h"
+#include "ssv/real.h"
 
 /// Most arcs in one profile.
 #define SSV_MAX_PROFILE_ARCS 24
@@ -39,7 +41,8 @@ typedef struct {
 /// thrust; SSV_DRAG_ONLY gives the least total thrust that keeps the body on the leg down to the cutoff, then brakes. A
 /// leg too short for terminal speed turns from speeding up to slowing where the distance asks. SSV_OPTIMAL: the profile
 /// with the least W1 T + W2 F of all (DESIGN.md 5). Without a price on time no leg would end: W1 counts as at least
-/// SSV_TIME_PRICE_MIN_N times W2. *profile is meaningful only when feasible. Some 10 to 100 logarithms.
+/// 1e-3 N times W2 (SSV_TIME_PRICE_MIN_N in tolerance.h). *profile is meaningful only when feasible. Some 10 to 100
+/// logarithms.
 ssv_outcome_t ssv_profile_solve(const ssv_thrusts_t* thrusts, const ssv_rule_t* rule, real_t distance,
                                 ssv_profile_t* profile);
 
