@@ -1,6 +1,7 @@
 // The timeline against the exact thrusts of random profiles.
 #include <stdlib.h>
 
+#include "planner/profile/profile.h"
 #include "planner/segments.h"
 #include "tasks.h"
 #include "unity.h"

@@ -24,9 +24,9 @@ void ssv_root_tell(ssv_root_t* root, real_t x, real_t y) {
 }
 
 void ssv_root_tell_illinois(ssv_root_t* root, real_t x, real_t y) {
-    const bool was_bracketed = root->bracketed, was_above = root->above;
+    const bool may_stay = root->bracketed && root->num_told > 0, was_above = root->above;
     ssv_root_tell(root, x, y);
-    if (!was_bracketed || root->above != was_above) return;
+    if (!may_stay || root->above != was_above) return;
     real_t* stale = root->above ? &root->y_low : &root->y_high;
     *stale = root->target + real_mul(REAL(0.5), *stale - root->target);
 }
