@@ -49,15 +49,15 @@ static void test_illinois_finds_the_root_of_every_shape_and_keeps_it_bracketed(v
         const shape_t shape = (shape_t)(n % NUM_SHAPES);
         const double y = target(shape), high = task_between(3, 4);
         ssv_root_t root = ssv_root_between(y, 0, value(shape, 0), high, value(shape, high));
-        int steps = 0;
-        for (; steps < most && root.high - root.low > 1e-10; steps++) {
+        bool met = false;
+        for (int k = 0; k < most && !met && root.high - root.low > 1e-10; k++) {
             const double x = ssv_root_propose(&root);
             TEST_ASSERT_TRUE(root.low <= x && x <= root.high);
             ssv_root_tell_illinois(&root, x, value(shape, x));
             TEST_ASSERT_TRUE(value(shape, root.low) <= y && value(shape, root.high) > y);
-            if (value(shape, x) == y) break;
+            met = value(shape, x) == y;
         }
-        TEST_ASSERT_TRUE(steps < most);
+        TEST_ASSERT_TRUE(met || root.high - root.low <= 1e-10);
         // The functions' own rounding moves a root by no more than a part in 1e13 or so.
         TEST_ASSERT_TRUE(root.low - 1e-12 <= argument(shape, y) && argument(shape, y) <= root.high + 1e-12);
     }
