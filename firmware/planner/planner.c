@@ -76,8 +76,8 @@ static int count_segments(const ssv_problem_t* problem, const ssv_plan_t* plan, 
     int num = 0;
     for (const ssv_leg_t* leg = plan->leg; leg < plan->leg + plan->num_legs; leg++) {
         const ssv_thrusts_t thrusts = thrusts_along(problem, plan, leg);
-        for (int k = 0; k < leg->num_pieces; k++) {
-            num += ssv_timeline_count(&thrusts, &plan->piece[leg->first_piece + k], drift_max_s2);
+        for (int k = 0; k < leg->num_arcs; k++) {
+            num += ssv_timeline_count(&thrusts, &plan->arc[leg->first_arc + k], drift_max_s2);
         }
     }
     return num;
@@ -88,10 +88,10 @@ static ssv_outcome_t write_timeline(const ssv_problem_t* problem, real_t drift_m
     for (int index = 0; index < plan->num_legs; index++) {
         const ssv_leg_t* leg = &plan->leg[index];
         const ssv_thrusts_t thrusts = thrusts_along(problem, plan, leg);
-        for (int k = 0; k < leg->num_pieces; k++) {
-            const ssv_piece_t* piece = &plan->piece[leg->first_piece + k];
-            const real_t t_s = leg->t_start_s + piece->t_s;
-            const ssv_outcome_t outcome = ssv_timeline_append(&thrusts, piece, t_s, index, drift_max_s2, plan);
+        for (int k = 0; k < leg->num_arcs; k++) {
+            const ssv_arc_t* arc = &plan->arc[leg->first_arc + k];
+            const real_t t_s = leg->t_start_s + arc->t_s;
+            const ssv_outcome_t outcome = ssv_timeline_append(&thrusts, arc, t_s, index, drift_max_s2, plan);
             if (outcome != SSV_FEASIBLE) return outcome;
         }
     }
@@ -167,12 +167,12 @@ static int leg_at(const ssv_plan_t* plan, real_t t_s) {
 
 static void sample_motion(const ssv_plan_t* plan, const ssv_leg_t* leg, real_t t_s, ssv_sample_t* sample) {
     const real_t t = clamp(t_s - leg->t_start_s, REAL(0), leg->duration_s);
-    int k = leg->first_piece;
-    while (k + 1 < leg->first_piece + leg->num_pieces && plan->piece[k + 1].t_s <= t) k++;
-    const ssv_piece_t* piece = &plan->piece[k];
-    const real_t t_piece = clamp(t - piece->t_s, REAL(0), piece->duration_s);
-    const real_t v = ssv_piece_speed(piece, t_piece);
-    const real_t s = piece->s + ssv_piece_moments(piece, piece->v_start, v, t_piece).distance;
+    int k = leg->first_arc;
+    while (k + 1 < leg->first_arc + leg->num_arcs && plan->arc[k + 1].t_s <= t) k++;
+    const ssv_arc_t* arc = &plan->arc[k];
+    const real_t t_arc = clamp(t - arc->t_s, REAL(0), arc->duration_s);
+    const real_t v = ssv_arc_speed(arc, t_arc);
+    const real_t s = arc->s + ssv_arc_moments(arc, arc->v_start, v, t_arc).distance;
     const ssv_twist_t twist = {leg->v_S, leg->w_S};
     sample->X_IS = ssv_maneuver_pose(leg->X_IS_start, twist, s);
     sample->v_IS_S_m_s = vec3_scale(v, leg->v_S);

@@ -439,7 +439,7 @@ static void test_legs_cost_what_the_oracle_says(void) {
     printf("seed %d: %d legs, largest difference in J %.1e\n", seed, NUM_LEGS, worst);
 }
 
-// What the pieces say must be so: they join, cover the distance within every limit, and take what is claimed.
+// What the arcs say must be so: they join, cover the distance within every limit, and take what is claimed.
 static void test_legs_join_keep_their_limits_and_add_up(void) {
     sample_seed((uint64_t)seed);
     for (int n = 0; n < NUM_LEGS; n++) {
@@ -448,18 +448,18 @@ static void test_legs_join_keep_their_limits_and_add_up(void) {
         const char* name = name_of(n, &leg);
         TEST_ASSERT_EQUAL_INT_MESSAGE(SSV_FEASIBLE, solve(&leg), name);
         double time = 0, distance = 0, impulse = 0, speed = 0;
-        for (int k = 0; k < profile.num_pieces; k++) {
-            const ssv_piece_t* piece = &profile.piece[k];
-            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * profile.duration_s, time, piece->t_s, name);
-            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-5 * leg.distance, distance, piece->s, name);
-            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-12 * profile.peak_speed, speed, piece->v_start, name);
-            TEST_ASSERT_TRUE_MESSAGE(piece->duration_s >= 0, name);
+        for (int k = 0; k < profile.num_arcs; k++) {
+            const ssv_arc_t* arc = &profile.arc[k];
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * profile.duration_s, time, arc->t_s, name);
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-5 * leg.distance, distance, arc->s, name);
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-12 * profile.peak_speed, speed, arc->v_start, name);
+            TEST_ASSERT_TRUE_MESSAGE(arc->duration_s >= 0, name);
             const int steps = 200;
-            double t_from = 0, v_from = piece->v_start;
+            double t_from = 0, v_from = arc->v_start;
             for (int j = 1; j <= steps; j++) {
-                const double x = (double)j / steps, t_to = piece->duration_s * x * x * (3 - 2 * x), h = t_to - t_from;
-                const double v = ssv_piece_speed(piece, t_from + h / 2), v_to = ssv_piece_speed(piece, t_to);
-                const double a = piece->law[0] + v * (piece->law[1] + v * piece->law[2]);
+                const double x = (double)j / steps, t_to = arc->duration_s * x * x * (3 - 2 * x), h = t_to - t_from;
+                const double v = ssv_arc_speed(arc, t_from + h / 2), v_to = ssv_arc_speed(arc, t_to);
+                const double a = arc->dv_dt[0] + v * (arc->dv_dt[1] + v * arc->dv_dt[2]);
                 for (int i = 0; i < N; i++) {
                     TEST_ASSERT_TRUE_MESSAGE(fabs(t->accel[i] * a + drag(t, i, v)) <= FORCE * (1 + 1e-9), name);
                 }
@@ -468,8 +468,8 @@ static void test_legs_join_keep_their_limits_and_add_up(void) {
                 t_from = t_to;
                 v_from = v_to;
             }
-            speed = piece->v_end;
-            time += piece->duration_s;
+            speed = arc->v_end;
+            time += arc->duration_s;
             TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * profile.peak_speed, speed, v_from, name);
         }
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-12 * profile.peak_speed, 0, speed, name);
@@ -494,9 +494,9 @@ static void test_optimal_leg_never_costs_more_than_either_ramp_of_the_paper(void
             if (ssv_profile_solve(&leg.thrusts, &rule, leg.distance, &ramped) != SSV_FEASIBLE) continue;
             compared++;
             double covered = 0;
-            for (int k = 0; k < ramped.num_pieces; k++) {
-                const ssv_piece_t* p = &ramped.piece[k];
-                covered += ssv_piece_moments(p, p->v_start, p->v_end, p->duration_s).distance;
+            for (int k = 0; k < ramped.num_arcs; k++) {
+                const ssv_arc_t* p = &ramped.arc[k];
+                covered += ssv_arc_moments(p, p->v_start, p->v_end, p->duration_s).distance;
             }
             TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-6 * leg.distance, leg.distance, covered, name_of(n, &leg));
             const double cost = leg.w1 * ramped.duration_s + leg.w2 * ramped.impulse_Ns;

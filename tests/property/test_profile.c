@@ -69,14 +69,14 @@ static double least_total(const ssv_thrusts_t* t, double v, double low, double h
     return least;
 }
 
-static void assert_obeys_the_ramp(const ssv_thrusts_t* t, ssv_ramp_t ramp, const ssv_piece_t* piece, double v) {
-    const double a = piece->law[0] + v * (piece->law[1] + v * piece->law[2]);
+static void assert_obeys_the_ramp(const ssv_thrusts_t* t, ssv_ramp_t ramp, const ssv_arc_t* arc, double v) {
+    const double a = arc->dv_dt[0] + v * (arc->dv_dt[1] + v * arc->dv_dt[2]);
     double low, high;
     limits(t, v, &low, &high);
     const double slack = 1e-6 * (high - low); // a probe 1e-9 of the top speed beyond a knot decides its law
-    if (piece->v_end > piece->v_start) {
+    if (arc->v_end > arc->v_start) {
         TEST_ASSERT_DOUBLE_WITHIN(slack, high, a);
-    } else if (piece->v_end == piece->v_start) {
+    } else if (arc->v_end == arc->v_start) {
         TEST_ASSERT_EQUAL_DOUBLE(0, a);
     } else if (ramp == SSV_FULL_REVERSE || v < CUTOFF) {
         TEST_ASSERT_DOUBLE_WITHIN(slack, low, a);
@@ -101,23 +101,23 @@ static void test_random_legs_obey_their_ramp_and_add_up(void) {
         if (ssv_profile_solve(&t, &(ssv_rule_t){ramp, CUTOFF, 0, 0, 0}, stroke, &profile) != SSV_FEASIBLE) continue;
         feasible++;
         double distance = 0, impulse = 0, time = 0;
-        for (int k = 0; k < profile.num_pieces; k++) {
-            const ssv_piece_t* piece = &profile.piece[k];
-            // Long coasts change fast at first: steps that grow with the square of the time since the piece's start.
+        for (int k = 0; k < profile.num_arcs; k++) {
+            const ssv_arc_t* arc = &profile.arc[k];
+            // Long coasts change fast at first: steps that grow with the square of the time since the arc's start.
             const int steps = 20000;
-            double t_from = 0, v_from = piece->v_start;
+            double t_from = 0, v_from = arc->v_start;
             for (int n = 1; n <= steps; n++) {
-                const double x = (double)n / steps, t_to = piece->duration_s * x * x;
+                const double x = (double)n / steps, t_to = arc->duration_s * x * x;
                 const double middle = (t_from + t_to) / 2, h = t_to - t_from;
-                const double v = ssv_piece_speed(piece, middle), v_to = ssv_piece_speed(piece, t_to);
-                const double a = piece->law[0] + v * (piece->law[1] + v * piece->law[2]);
+                const double v = ssv_arc_speed(arc, middle), v_to = ssv_arc_speed(arc, t_to);
+                const double a = arc->dv_dt[0] + v * (arc->dv_dt[1] + v * arc->dv_dt[2]);
                 distance += h / 6 * (v_from + 4 * v + v_to);
                 impulse += h * total(&t, v, a);
-                if (n % 100 == 0) assert_obeys_the_ramp(&t, ramp, piece, v);
+                if (n % 100 == 0) assert_obeys_the_ramp(&t, ramp, arc, v);
                 t_from = t_to;
                 v_from = v_to;
             }
-            time += piece->duration_s;
+            time += arc->duration_s;
         }
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-6 * stroke, stroke, distance, label);
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * time, time, profile.duration_s, label);

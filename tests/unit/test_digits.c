@@ -1,4 +1,4 @@
-// Vectors, poses, laws, profiles and timelines in every scalar: what is short, slow or nearly equal keeps its digits,
+// Vectors, poses, groups, profiles and timelines in every scalar: what is short, slow or nearly equal keeps its digits,
 // too.
 #include <math.h>
 #include <string.h>
@@ -62,15 +62,15 @@ static void test_a_slow_coast_is_as_long_as_its_drag_says(void) {
     }
 }
 
-// How far beyond its limit the leg's profile drives any thruster, at most, where a piece starts, ends, and in between.
+// How far beyond its limit the leg's profile drives any thruster, at most, where an arc starts, ends, and in between.
 static double beyond_the_limit_N(const ssv_thrusts_t* thrusts, const ssv_profile_t* profile) {
     double most = 0;
-    for (int k = 0; k < profile->num_pieces; k++) {
-        const ssv_piece_t* piece = &profile->piece[k];
+    for (int k = 0; k < profile->num_arcs; k++) {
+        const ssv_arc_t* arc = &profile->arc[k];
         for (int n = 0; n <= 4; n++) {
-            const double v = real_to_double(piece->v_start) + n / 4.0 * real_to_double(piece->v_end - piece->v_start);
+            const double v = real_to_double(arc->v_start) + n / 4.0 * real_to_double(arc->v_end - arc->v_start);
             double law[3];
-            for (int m = 0; m < 3; m++) law[m] = real_to_double(piece->law[m]);
+            for (int m = 0; m < 3; m++) law[m] = real_to_double(arc->dv_dt[m]);
             const double a = law[0] + v * (law[1] + v * law[2]);
             for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
                 const double u = real_to_double(thrusts->accel[i]) * a + real_to_double(thrusts->linear[i]) * v +
@@ -162,7 +162,7 @@ static void test_the_price_of_a_leg_does_not_hang_on_the_last_digits_of_its_thru
 }
 
 // The paper's ramps bind thrusters that hardly act, too: another then gives way within a fraction of a millisecond.
-static void test_a_piece_whose_thrusts_bend_within_a_fraction_of_a_millisecond_has_a_timeline(void) {
+static void test_an_arc_whose_thrusts_bend_within_a_fraction_of_a_millisecond_has_a_timeline(void) {
     const ssv_thrusts_t thrusts = {
         .accel = {REAL(-8.67), REAL(6.6), REAL(0.0011426)}, .linear = {REAL(10), REAL(-2)}, .force_max_N = REAL(6)};
     const real_t drift_max_s2 = REAL(1e-5);
@@ -176,7 +176,7 @@ static void test_a_piece_whose_thrusts_bend_within_a_fraction_of_a_millisecond_h
         piece.v_end = ssv_law_speed(piece.law, piece.v_start, piece.duration_s);
         const uint32_t overflows = real_overflows();
         plan.num_segments = 0;
-        TEST_ASSERT_EQUAL(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &piece, REAL(0), 0, drift_max_s2, &plan));
+        TEST_ASSERT_EQUAL(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &arc, REAL(0), 0, drift_max_s2, &plan));
         TEST_ASSERT_EQUAL(overflows, real_overflows());
     }
 }
@@ -202,22 +202,22 @@ static void test_a_leg_too_slow_for_the_scalar_is_an_honest_outcome(void) {
             if (real_overflows() != overflows) continue; // said, not silent
             TEST_ASSERT_TRUE(outcome == SSV_FEASIBLE || outcome == SSV_TOO_LONG || outcome == SSV_NO_AUTHORITY);
             if (outcome != SSV_FEASIBLE) continue;
-            TEST_ASSERT_TRUE(profile.num_pieces > 0 && profile.duration_s > REAL(0));
+            TEST_ASSERT_TRUE(profile.num_arcs > 0 && profile.duration_s > REAL(0));
         }
     }
 }
 
 // Whoever reads a ramp may be given an empty one, whose stretches hold nothing.
 static void test_an_empty_ramp_covers_no_distance_and_has_no_stretch_to_read(void) {
-    ssv_laws_t laws = {.num = 1, .weight = {REAL(1)}, .limit = {REAL(1)}, .total = REAL(1)};
+    ssv_thruster_groups_t groups = {.num = 1, .weight = {REAL(1)}, .limit = {REAL(1)}, .total = REAL(1)};
     ssv_ramp_table_t ramp = {.first = NULL, .step = 1};
     real_t a = REAL(7);
-    TEST_ASSERT_TRUE(ssv_ramp_top(&ramp) == REAL(0));
-    TEST_ASSERT_TRUE(ssv_ramp_reach(&laws, &ramp, REAL(1), &a) == REAL(0));
-    TEST_ASSERT_TRUE(a == REAL(0) && ramp.last == -1 && !ssv_ramp_idles(&ramp));
-    TEST_ASSERT_TRUE(ssv_ramp_acceleration(&laws, &ramp, REAL(1)) == REAL(0));
-    ssv_ramp_measure(&laws, &ramp);
-    ssv_ramp_keep_slowing(&laws, &ramp);
+    TEST_ASSERT_TRUE(ssv_ramp_top_speed(&ramp) == REAL(0));
+    TEST_ASSERT_TRUE(ssv_ramp_distance_to(&groups, &ramp, REAL(1), &a) == REAL(0));
+    TEST_ASSERT_TRUE(a == REAL(0) && ramp.last == -1 && !ssv_ramp_ends_coasting(&ramp));
+    TEST_ASSERT_TRUE(ssv_ramp_acceleration(&groups, &ramp, REAL(1)) == REAL(0));
+    ssv_ramp_measure(&groups, &ramp);
+    ssv_ramp_keep_slowing(&groups, &ramp);
     TEST_ASSERT_EQUAL_INT(0, ramp.num);
 }
 
@@ -229,7 +229,7 @@ int main(void) {
     RUN_TEST(test_no_thruster_is_driven_beyond_its_limit_where_two_nearly_mirror_each_other);
     RUN_TEST(test_a_long_leg_cruises_at_the_cheapest_speed_past_thrusters_that_hardly_act);
     RUN_TEST(test_the_price_of_a_leg_does_not_hang_on_the_last_digits_of_its_thrusts);
-    RUN_TEST(test_a_piece_whose_thrusts_bend_within_a_fraction_of_a_millisecond_has_a_timeline);
+    RUN_TEST(test_an_arc_whose_thrusts_bend_within_a_fraction_of_a_millisecond_has_a_timeline);
     RUN_TEST(test_a_leg_too_slow_for_the_scalar_is_an_honest_outcome);
     RUN_TEST(test_an_empty_ramp_covers_no_distance_and_has_no_stretch_to_read);
     return UNITY_END();

@@ -91,17 +91,17 @@ static uint64_t hash_leg(uint64_t hash, const ssv_leg_t* leg) {
     hash = hash_vec3(hash, leg->w_S);
     hash = hash_pose(hash, leg->X_IS_start);
     hash = hash_pose(hash, leg->X_IS_end);
-    hash = hash_int(hash, leg->first_piece);
-    return hash_int(hash, leg->num_pieces);
+    hash = hash_int(hash, leg->first_arc);
+    return hash_int(hash, leg->num_arcs);
 }
 
-static uint64_t hash_piece(uint64_t hash, const ssv_piece_t* piece) {
-    hash = hash_real(hash, piece->t_s);
-    hash = hash_real(hash, piece->duration_s);
-    hash = hash_real(hash, piece->s);
-    hash = hash_real(hash, piece->v_start);
-    hash = hash_real(hash, piece->v_end);
-    return hash_vec3(hash, vec3(piece->law[0], piece->law[1], piece->law[2]));
+static uint64_t hash_arc(uint64_t hash, const ssv_arc_t* arc) {
+    hash = hash_real(hash, arc->t_s);
+    hash = hash_real(hash, arc->duration_s);
+    hash = hash_real(hash, arc->s);
+    hash = hash_real(hash, arc->v_start);
+    hash = hash_real(hash, arc->v_end);
+    return hash_vec3(hash, vec3(arc->dv_dt[0], arc->dv_dt[1], arc->dv_dt[2]));
 }
 
 static uint64_t hash_segment(uint64_t hash, const ssv_segment_t* segment) {
@@ -125,8 +125,8 @@ uint64_t ssv_plan_hash(const ssv_plan_t* plan) {
     for (int k = 0; k < plan->quote.num_candidates; k++) hash = hash_candidate(hash, &plan->quote.candidate[k]);
     hash = hash_int(hash, plan->num_legs);
     for (int k = 0; k < plan->num_legs; k++) hash = hash_leg(hash, &plan->leg[k]);
-    hash = hash_int(hash, plan->num_pieces);
-    for (int k = 0; k < plan->num_pieces; k++) hash = hash_piece(hash, &plan->piece[k]);
+    hash = hash_int(hash, plan->num_arcs);
+    for (int k = 0; k < plan->num_arcs; k++) hash = hash_arc(hash, &plan->arc[k]);
     hash = hash_int(hash, plan->num_segments);
     for (int k = 0; k < plan->num_segments; k++) hash = hash_segment(hash, &plan->segment[k]);
     hash = hash_int(hash, plan->num_events);

@@ -173,7 +173,7 @@ const char* ssv_outcome_str(ssv_outcome_t outcome) {
         case SSV_FEASIBLE: return "feasible";
         case SSV_TOO_LONG: return "takes longer than the longest plan";
         case SSV_NO_AUTHORITY: return "the thrusters cannot move the body along a leg";
-        case SSV_TOO_MANY_PIECES: return "the motion has more pieces than a plan holds";
+        case SSV_TOO_MANY_ARCS: return "the motion has more arcs than a plan holds";
         case SSV_TOO_MANY_SEGMENTS: return "the timeline has more segments than a plan holds";
     }
     return "unknown outcome";
