@@ -3,7 +3,7 @@
 #include "planner/search/select.h"
 #include "planner/segments.h"
 
-// Solves the move once more and writes its leg and pieces.
+// Solves the move once more and writes its leg and arcs.
 static ssv_outcome_t add_leg(const ssv_question_t* question, const ssv_assembly_t* assembly,
                              const ssv_maneuver_t* maneuver, pose_t X_IS, ssv_plan_t* plan) {
     ssv_thrusts_t thrusts;
@@ -12,7 +12,7 @@ static ssv_outcome_t add_leg(const ssv_question_t* question, const ssv_assembly_
     ssv_maneuver_thrusts(question->problem, assembly, maneuver->twist, &thrusts);
     const ssv_price_t price = ssv_maneuver_solve(question, maneuver, &thrusts, &profile, &ramp);
     if (price.outcome != SSV_FEASIBLE) return price.outcome;
-    if (plan->num_pieces + profile.num_pieces > SSV_MAX_PIECES) return SSV_TOO_MANY_PIECES;
+    if (plan->num_arcs + profile.num_arcs > SSV_MAX_ARCS) return SSV_TOO_MANY_ARCS;
     plan->leg[plan->num_legs++] = (ssv_leg_t){.phase = maneuver->phase,
                                               .kind = maneuver->kind,
                                               .ramp = ramp,
@@ -25,9 +25,9 @@ static ssv_outcome_t add_leg(const ssv_question_t* question, const ssv_assembly_
                                               .w_S = maneuver->twist.w,
                                               .X_IS_start = X_IS,
                                               .X_IS_end = ssv_maneuver_pose(X_IS, maneuver->twist, maneuver->length),
-                                              .first_piece = plan->num_pieces,
-                                              .num_pieces = profile.num_pieces};
-    for (int k = 0; k < profile.num_pieces; k++) plan->piece[plan->num_pieces++] = profile.piece[k];
+                                              .first_arc = plan->num_arcs,
+                                              .num_arcs = profile.num_arcs};
+    for (int k = 0; k < profile.num_arcs; k++) plan->arc[plan->num_arcs++] = profile.arc[k];
     plan->quote.time_s += price.time_s;
     plan->quote.impulse_Ns += price.impulse_Ns;
     plan->quote.cost += price.cost;
@@ -43,11 +43,11 @@ static ssv_assembly_t assembly_in(const ssv_problem_t* problem, ssv_phase_t phas
     return (ssv_assembly_t){&scenario->vehicle, phase == SSV_TRANSFER ? &scenario->beam : NULL, X_SB};
 }
 
-// Writes the motion of a chain: legs, pieces, events, final poses.
+// Writes the motion of a chain: legs, arcs, events, final poses.
 static ssv_outcome_t write_motion(const ssv_question_t* question, const ssv_path_t* path, ssv_plan_t* plan) {
     pose_t X_IS = question->problem->scenario.X_IS;
     plan->quote.time_s = plan->quote.impulse_Ns = plan->quote.cost = REAL(0);
-    plan->num_legs = plan->num_pieces = plan->num_events = 0;
+    plan->num_legs = plan->num_arcs = plan->num_events = 0;
     for (int k = 0; k < path->num_maneuvers; k++) {
         const ssv_maneuver_t* maneuver = &path->maneuver[k];
         if (maneuver->phase == SSV_TRANSFER && plan->num_events == 0) add_event(plan, SSV_MATE);

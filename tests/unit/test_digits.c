@@ -54,7 +54,7 @@ static void test_a_slow_coast_is_as_long_as_its_drag_says(void) {
     const real_t law[3] = {REAL(0), real_from_double(b), real_from_double(c)};
     for (int n = 0; n < NUM_OF_EACH; n++) {
         const double fast = pow(10, sample_between(-5, -2)), slow = fast * sample_between(0.2, 0.6);
-        const ssv_moments_t m = ssv_law_integrals(law, real_from_double(fast), real_from_double(slow));
+        const ssv_moments_t m = ssv_moments_between(law, real_from_double(fast), real_from_double(slow));
         const long double expected =
             log1pl((long double)(c * (slow - fast)) / (long double)(b + c * fast)) / (long double)c;
         // A part in ten thousand for the speeds' digits in fixed point, and its last digit.
@@ -170,10 +170,10 @@ static void test_an_arc_whose_thrusts_bend_within_a_fraction_of_a_millisecond_ha
     for (int n = 0; n < NUM_OF_EACH; n++) {
         const double slope = -sample_between(8000, 12000), v = sample_between(0.2, 0.5),
                      pull = sample_between(0.05, 0.3);
-        ssv_piece_t piece = {.law = {real_from_double(pull - slope * v), real_from_double(slope)},
+        ssv_arc_t arc = {.dv_dt = {real_from_double(pull - slope * v), real_from_double(slope)},
                              .v_start = real_from_double(v),
                              .duration_s = real_from_double(sample_between(1, 2) / -slope)};
-        piece.v_end = ssv_law_speed(piece.law, piece.v_start, piece.duration_s);
+        arc.v_end = ssv_speed_after(arc.dv_dt, arc.v_start, arc.duration_s);
         const uint32_t overflows = real_overflows();
         plan.num_segments = 0;
         TEST_ASSERT_EQUAL(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &arc, REAL(0), 0, drift_max_s2, &plan));

@@ -2,12 +2,12 @@
 #include <math.h>
 
 #include "planner/math/root.h"
-#include "tasks.h"
+#include "sample.h"
 #include "unity.h"
 
 #define NUM_OF_EACH 1000
 
-void setUp(void) { task_seed(20261128); }
+void setUp(void) { sample_seed(20261128); }
 void tearDown(void) {}
 
 // Increasing functions: one that bends up, one that bends down, one that is nearly a step, one that leaps past 0 at 1,
@@ -36,9 +36,9 @@ static double argument(shape_t shape, double y) {
 
 static double target(shape_t shape) {
     switch (shape) {
-        case STEEP: return task_between(-1.5, 1.5);
+        case STEEP: return sample_between(-1.5, 1.5);
         case LEAP: return 0;
-        default: return task_between(0.01, 1.4);
+        default: return sample_between(0.01, 1.4);
     }
 }
 
@@ -47,7 +47,7 @@ static void test_illinois_finds_the_root_of_every_shape_and_keeps_it_bracketed(v
     const int most = 106;
     for (int n = 0; n < NUM_SHAPES * NUM_OF_EACH; n++) {
         const shape_t shape = (shape_t)(n % NUM_SHAPES);
-        const double y = target(shape), high = task_between(3, 4);
+        const double y = target(shape), high = sample_between(3, 4);
         ssv_root_t root = ssv_root_between(y, 0, value(shape, 0), high, value(shape, high));
         bool met = false;
         for (int k = 0; k < most && !met && root.high - root.low > 1e-10; k++) {

@@ -12,6 +12,7 @@
 #define NS 1e-9L
 
 static ssv_problem_t problem;
+static ssv_work_t work;
 static ssv_plan_t plan;
 static ssv_timeline_t timeline;
 
@@ -75,7 +76,7 @@ static void test_flown_timelines_of_random_plans_keep_their_times_thrusts_events
         if (num_flown % 2 == 0) scenario.method = SSV_METHOD_OPTIMAL;
         ssv_fault_t fault;
         TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &scenario, &fault));
-        if (ssv_plan(&problem, &plan) != SSV_OK) continue;
+        if (ssv_plan(&problem, &work, &plan) != SSV_OK) continue;
         ssv_timeline_of_plan(&plan, &timeline);
         TEST_ASSERT_EQUAL_UINT64(plan.plan_hash, timeline.plan_hash);
         TEST_ASSERT_EQUAL_UINT32(0, timeline.mass_configuration);

@@ -152,7 +152,7 @@ ssv_price_t ssv_maneuver_price(const ssv_question_t* question, const ssv_maneuve
 
 ssv_price_t ssv_maneuver_solve(const ssv_question_t* question, const ssv_maneuver_t* maneuver,
                                const ssv_thrusts_t* thrusts, ssv_profile_t* profile, ssv_ramp_t* ramp) {
-    profile->num_pieces = 0;
+    profile->num_arcs = 0;
     *ramp = SSV_OPTIMAL;
     if (question->method == SSV_METHOD_PAPER || !(maneuver->length > REAL(0))) {
         const ssv_price_t price = ssv_maneuver_price(question, maneuver, thrusts, ramp);

@@ -57,7 +57,7 @@ void ssv_maneuver_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* as
 ssv_price_t ssv_maneuver_price(const ssv_question_t* question, const ssv_maneuver_t* maneuver,
                                const ssv_thrusts_t* thrusts, ssv_ramp_t* ramp);
 
-/// The same with the profile; a move of length 0 has no pieces.
+/// The same with the profile; a move of length 0 has no arcs.
 ssv_price_t ssv_maneuver_solve(const ssv_question_t* question, const ssv_maneuver_t* maneuver,
                                const ssv_thrusts_t* thrusts, ssv_profile_t* profile, ssv_ramp_t* ramp);
 

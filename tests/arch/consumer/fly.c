@@ -8,6 +8,7 @@
 #define NUM_SAMPLES 9
 
 static ssv_problem_t problem;
+static ssv_work_t work;
 static ssv_plan_t plan;
 static ssv_timeline_t timeline;
 
@@ -59,7 +60,7 @@ int main(void) {
         fprintf(stderr, "%s: %s\n", fault.field, ssv_status_str(checked));
         return 1;
     }
-    if (ssv_plan(&problem, &plan) != SSV_OK) {
+    if (ssv_plan(&problem, &work, &plan) != SSV_OK) {
         fprintf(stderr, "%s\n", ssv_status_str(plan.quote.status));
         return 1;
     }
