@@ -159,13 +159,10 @@ static const char* keep_text(layout_t* layout, const char* text) {
     return kept == NULL ? NULL : strcpy(kept, text);
 }
 
-static const tree_t* read_tree(layout_t* layout, const char* path) {
+/// What a text holds that stands in a file, "-" being standard input.
+static const tree_t* parse(layout_t* layout, const char* path, const char* text, size_t size) {
     const char* const shown = strcmp(path, "-") == 0 ? "standard input" : keep_text(layout, path);
-    size_t size = 0;
-    char* const text = shown == NULL ? NULL : tree_file_read(path, &size, layout->error);
-    const tree_t* const root = text == NULL ? NULL : tree_from_yaml(layout->memory, layout->error, shown, text, size);
-    free(text);
-    return root;
+    return shown == NULL ? NULL : tree_from_yaml(layout->memory, layout->error, shown, text, size);
 }
 
 // Models.
@@ -272,7 +269,10 @@ static const tree_t* lay_out_model(layout_t* layout, const tree_t* model, const 
     if (!model_path(layout, model, scenario_path, path, sizeof path)) {
         return NULL;
     }
-    const tree_t* const root = read_tree(layout, path);
+    size_t size = 0;
+    char* const text = tree_file_read(path, &size, layout->error);
+    const tree_t* const root = text == NULL ? NULL : parse(layout, path, text, size);
+    free(text);
     if (root == NULL) {
         return NULL;
     }
@@ -526,14 +526,13 @@ static const tree_t* lay_out_scenario(layout_t* layout, const tree_t* root, cons
                : NULL;
 }
 
-bool scenario_file_open(scenario_file_t* file, const char* path, const char* models_dir, lcm_ssv_scenario_t* scenario,
-                        char* error_text, size_t error_size) {
+bool scenario_text_open(scenario_file_t* file, const char* path, const char* text, size_t size, const char* models_dir,
+                        lcm_ssv_scenario_t* scenario, char* error_text, size_t error_size) {
     tree_error_t error = {error_text, error_size};
     layout_t layout = {&file->memory, &error, models_dir};
-    file->memory.newest = NULL;
+    *file = (scenario_file_t){.tree = NULL};
     error_text[0] = '\0';
-    const tree_t* const root = read_tree(&layout, path);
-    file->tree = NULL;
+    const tree_t* const root = parse(&layout, path, text, size);
     if (root != NULL && root->kind != TREE_MAP) {
         tree_fail(&error, root, "no scenario, which is a map of keys and values");
     } else if (root != NULL) {
@@ -541,6 +540,19 @@ bool scenario_file_open(scenario_file_t* file, const char* path, const char* mod
         file->tree = message != NULL ? message : lay_out_scenario(&layout, root, path);
     }
     return file->tree != NULL && wire_from_tree("scenario_t", file->tree, scenario, &error);
+}
+
+bool scenario_file_open(scenario_file_t* file, const char* path, const char* models_dir, lcm_ssv_scenario_t* scenario,
+                        char* error_text, size_t error_size) {
+    tree_error_t error = {error_text, error_size};
+    size_t size = 0;
+    *file = (scenario_file_t){.tree = NULL};
+    error_text[0] = '\0';
+    char* const text = tree_file_read(path, &size, &error);
+    const bool sound =
+        text != NULL && scenario_text_open(file, path, text, size, models_dir, scenario, error_text, error_size);
+    free(text);
+    return sound;
 }
 
 /// What stands at a path like "vehicle.thruster[2].n_T_S", or the last on the way to it.

@@ -25,6 +25,10 @@ typedef struct {
 bool scenario_file_open(scenario_file_t* file, const char* path, const char* models_dir, lcm_ssv_scenario_t* scenario,
                         char* error, size_t error_size);
 
+/// The same for the text of such a file, which is not opened.
+bool scenario_text_open(scenario_file_t* file, const char* path, const char* text, size_t size, const char* models_dir,
+                        lcm_ssv_scenario_t* scenario, char* error, size_t error_size);
+
 /// Puts the place in the file before a planner's reason "PATH: sentence", where PATH is the message's.
 void scenario_file_explain(const scenario_file_t* file, const char* reason, char* text, size_t size);
 

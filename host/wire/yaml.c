@@ -77,10 +77,11 @@ static bool number(const char* text, tree_t* value) {
         return false;
     }
     char* end = NULL;
-    value->real = strtod(text, &end);
+    const double real = strtod(text, &end);
     if (*end != '\0') {
         return false;
     }
+    value->real = real;
     const size_t length = strlen(digits);
     const bool whole = digits[strspn(digits, "0123456789")] == '\0' && length < 20;
     const double limit = 9223372036854775808.0;
@@ -171,6 +172,10 @@ static bool fill_map(reader_t* reader, tree_t* map) {
             }
             tree_t* const value =
                 sound ? tree_add(reader->memory, reader->error, map, key->text, key->line, key->column) : NULL;
+            if (value != NULL) { // an empty value stands nowhere else
+                value->line = key->line;
+                value->column = key->column;
+            }
             event = value == NULL ? NULL : next(reader);
             sound = event != NULL && fill(reader, value, event);
         }
