@@ -92,7 +92,7 @@ static const struct {
     {"a: \"x\\0y\"\n", "f.yaml:1:", "a: a text with a zero character in it"},
     {"\"a\\0b\": 1\n", "f.yaml:1:", "a text with a zero character in it"},
     {"? [1, 2]\n: 3\n", "f.yaml:1:3: a key that is no word", NULL},
-    {"a: [1, 2\nb: 3\n", "f.yaml:2:", NULL},
+    {"a: [1, 2\nb: 3\n", "f.yaml:", "not YAML from here on"},
     {"a: 'open\n", "f.yaml:", NULL},
     {"a: 1\n---\nb: 2\n", "f.yaml:2:1: a second document begins here", NULL},
     {"a: 1\n b: 2\n", "f.yaml:2:", NULL},
