@@ -173,30 +173,47 @@ void tree_place(const tree_t* at, char* place, size_t size) {
 }
 
 /// How many bytes of UTF-8 stand there as one character that does not steer; 0 if they are none.
-static size_t character(const unsigned char* text) {
-    if (text[0] < 0x80) {
-        return text[0] >= ' ' && text[0] != 0x7f;
+static size_t character(const char* text, size_t size) {
+    const unsigned char first = (unsigned char)text[0];
+    if (first < 0x80) {
+        return first >= ' ' && first != 0x7f;
     }
-    const size_t length = text[0] >= 0xc2 && text[0] < 0xe0   ? 2
-                          : text[0] >= 0xe0 && text[0] < 0xf0 ? 3
-                          : text[0] >= 0xf0 && text[0] < 0xf5 ? 4
-                                                              : 0;
+    const size_t length = first >= 0xc2 && first < 0xe0   ? 2
+                          : first >= 0xe0 && first < 0xf0 ? 3
+                          : first >= 0xf0 && first < 0xf5 ? 4
+                                                          : 0;
     for (size_t i = 1; i < length; i++) {
-        if ((text[i] & 0xc0) != 0x80) {
+        if (i >= size || ((unsigned char)text[i] & 0xc0) != 0x80) {
             return 0;
         }
     }
-    return text[0] == 0xc2 && text[1] < 0xa0 ? 0 : length;
+    return first == 0xc2 && (unsigned char)text[1] < 0xa0 ? 0 : length;
 }
 
 void tree_make_harmless(char* text) {
-    while (*text != '\0') {
-        const size_t length = character((const unsigned char*)text);
+    size_t size = strlen(text);
+    while (size > 0) {
+        const size_t length = character(text, size);
         if (length == 0) {
             *text = '?';
         }
         text += length == 0 ? 1 : length;
+        size -= length == 0 ? 1 : length;
     }
+}
+
+int tree_find_no_text(const char* text, size_t size) {
+    int line = 1;
+    while (size > 0) {
+        const size_t length = strchr("\t\r\n", *text) != NULL && *text != '\0' ? 1 : character(text, size);
+        if (length == 0) {
+            return line;
+        }
+        line += *text == '\n';
+        text += length;
+        size -= length;
+    }
+    return 0;
 }
 
 /// Smallest number of characters to change, drop or insert that makes one word of the other, up to the size of the row.

@@ -78,6 +78,9 @@ void tree_place(const tree_t* at, char* place, size_t size);
 /// Replaces what would steer a terminal, control characters and bytes that are no UTF-8, by '?'.
 void tree_make_harmless(char* text);
 
+/// The first line with a byte that is no UTF-8, or with a control character; 0 if there is none.
+int tree_find_no_text(const char* text, size_t size);
+
 /// A number as a YAML file may have it, all of the text or nothing. @return whether it is one.
 bool tree_number(const char* text, double* value);
 
@@ -92,7 +95,8 @@ char* tree_file_read(const char* path, size_t* size, tree_error_t* error);
 const tree_t* tree_from_json(tree_memory_t* memory, tree_error_t* error, const char* file, const char* text,
                              size_t size);
 
-/// What a YAML document holds, which may be written as JSON. Repeated keys, aliases and tags are refused.
+/// What a YAML document holds, which may be written as JSON. Repeated keys, aliases, tags and
+/// directives are refused.
 /// @return NULL with the error set if it is none.
 const tree_t* tree_from_yaml(tree_memory_t* memory, tree_error_t* error, const char* file, const char* text,
                              size_t size);

@@ -232,12 +232,32 @@ static const tree_t* read_document(reader_t* reader) {
                : NULL;
 }
 
+/// Keeps from the parser what no file of ours has and what it has been seen to loop on without end: bytes that are no
+/// UTF-8, and directives.
+static bool is_for_parser(tree_error_t* error, const char* file, const char* text, size_t size) {
+    tree_t there = {.file = file};
+    if (size > TREE_TEXT_MAX) {
+        return tree_fail(error, &there, "larger than 1 MiB, no file of ours is");
+    }
+    there.column = 1;
+    there.line = tree_find_no_text(text, size);
+    if (there.line > 0) {
+        return tree_fail(error, &there, "a control character, or bytes that are no UTF-8");
+    }
+    there.line = 1;
+    for (size_t i = 0; i < size; i++) {
+        if (text[i] == '%' && (i == 0 || strchr("\n\r", text[i - 1]) != NULL)) {
+            return tree_fail(error, &there, "a directive (%%...), which no file of ours needs");
+        }
+        there.line += text[i] == '\n';
+    }
+    return true;
+}
+
 const tree_t* tree_from_yaml(tree_memory_t* memory, tree_error_t* error, const char* file, const char* text,
                              size_t size) {
     const tree_t whole = {.file = file};
-    if (size > TREE_TEXT_MAX || memchr(text, '\0', size) != NULL) {
-        tree_fail(error, &whole,
-                  size > TREE_TEXT_MAX ? "larger than 1 MiB, no file of ours is" : "a zero byte, so no text");
+    if (!is_for_parser(error, file, text, size)) {
         return NULL;
     }
     struct fy_diag_cfg quiet;

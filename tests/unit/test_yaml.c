@@ -95,8 +95,11 @@ static const struct {
     {"a: [1, 2\nb: 3\n", "f.yaml:", "not YAML from here on"},
     {"a: 'open\n", "f.yaml:", NULL},
     {"a: 1\n---\nb: 2\n", "f.yaml:2:1: a second document begins here", NULL},
-    {"a: 1\n b: 2\n", "f.yaml:2:", NULL},
+    {"a: 1\n b: 2\n", "f.yaml:", "not YAML from here on"},
     {"a: \"\\q\"\n", "f.yaml:1:", NULL},
+    {"a: 1\n%YAML 1.1\n", "f.yaml:2:1: a directive", NULL},
+    {"%# Tw\x9bn\na: 1\n", "f.yaml:1:1: a control character, or bytes that are no UTF-8", NULL},
+    {"a: 1\nb: \x1b[31m\n", "f.yaml:2:1: a control character", NULL},
     {"\xff\xfe", "f.yaml:", NULL},
 };
 
