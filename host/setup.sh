@@ -28,7 +28,7 @@ _ssv_step() {
 # The Debian packages that a `demo` or `tests` build needs and the machine lacks.
 _ssv_missing_packages() {
     local release=$1 wanted package
-    wanted=(ca-certificates cmake gcc iproute2 libc6-dev libcyaml-dev libjansson-dev ninja-build)
+    wanted=(ca-certificates cmake gcc iproute2 libc6-dev libfyaml-dev libjansson-dev ninja-build)
     case $release in
         debian12) wanted+=(libglib2.0-0) ;;
         debian13) wanted+=(libglib2.0-0t64) ;;

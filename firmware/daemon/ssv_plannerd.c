@@ -14,15 +14,10 @@
 
 #include <lcm/lcm.h>
 
+#include "channels.h"
 #include "lcm_ssv_planner_status_t.h"
 #include "log.h"
 #include "ssv/answer.h"
-
-#define CHANNEL_SCENARIO "SSV_SCENARIO"
-#define CHANNEL_PLAN "SSV_PLAN"
-#define CHANNEL_BATCH "SSV_SCENARIO_BATCH"
-#define CHANNEL_QUOTES "SSV_QUOTE_BATCH"
-#define CHANNEL_STATUS "SSV_PLANNER_STATUS"
 
 #define STATUS_PERIOD_US INT64_C(1000000)
 /// Answers kept for repeated request ids.

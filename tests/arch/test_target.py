@@ -142,7 +142,7 @@ class Target(unittest.TestCase):
                     with self.subTest(scalar=scalar, name=name, method=method):
                         answer = run([f"{os.environ['SSV_BIN_DIR']}/ssv", "plan", ROOT / f"host/scenarios/{name}.yaml",
                                       "--scalar", scalar, "--method", method, "--effort", "quick", "--format", "json"])
-                        self.assertEqual(json.loads(answer)["plan_hash"], row["hash"])
+                        self.assertEqual(json.loads(answer)["plan"]["plan_hash"], row["hash"])
 
     def test_nothing_takes_more_than_its_budget(self):
         for key, goal in GOALS.items():

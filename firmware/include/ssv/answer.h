@@ -60,7 +60,7 @@ typedef struct {
 
 /// Converts the wire scenario to the core's type, value for value: any content is accepted, nothing is checked here.
 /// want_front has no part in it: a front is asked for by a call of its own.
-void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* wire);
+void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* message);
 
 /// Answers the question: plans it, or says why not. Never fails; the answer's status and reason tell.
 /// @return the core's status: that of ssv_plan, or what ssv_problem_init found.

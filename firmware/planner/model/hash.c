@@ -1,4 +1,5 @@
 // 64-bit FNV-1a over values in a fixed byte order, so that a hash says the same on every machine.
+#include "planner/model/fields.def"
 #include "ssv/planner.h"
 
 #define FNV_START UINT64_C(0xcbf29ce484222325)
@@ -20,52 +21,28 @@ static uint64_t hash_vec3(uint64_t hash, vec3_t value) {
     return hash_real(hash_real(hash_real(hash, value.x), value.y), value.z);
 }
 
-static uint64_t hash_pose(uint64_t hash, pose_t value) {
-    hash = hash_vec3(hash, value.p);
-    return hash_vec3(hash_real(hash, value.q.w), vec3(value.q.x, value.q.y, value.q.z));
+static uint64_t hash_quat(uint64_t hash, quat_t value) {
+    return hash_vec3(hash_real(hash, value.w), vec3(value.x, value.y, value.z));
 }
 
-static uint64_t hash_body(uint64_t hash, const ssv_body_t* body) {
-    hash = hash_real(hash, body->mass_kg);
-    hash = hash_vec3(hash, body->inertia_kg_m2);
-    hash = hash_vec3(hash, body->added_mass_kg);
-    hash = hash_real(hash, body->drag_lin_kg_s);
-    hash = hash_real(hash, body->drag_quad_kg_m);
-    hash = hash_real(hash, body->drag_lin_ang_Nm_s);
-    return hash_real(hash, body->drag_quad_ang_Nm_s2);
-}
+static uint64_t hash_pose(uint64_t hash, pose_t value) { return hash_quat(hash_vec3(hash, value.p), value.q); }
+
+// What a field counts for, by its kind.
+#define HASH_REAL(value) hash_real(hash, value)
+#define HASH_VEC3(value) hash_vec3(hash, value)
+#define HASH_UNIT(value) hash_vec3(hash, value)
+#define HASH_QUAT(value) hash_quat(hash, value)
+#define HASH_INT(value) hash_int(hash, (int)(value))
+#define HASH_BOOL(value) hash_int(hash, (value) ? 1 : 0)
+#define HASH_ENUM(type) HASH_INT
+#define HASH_HEIGHT(k) (k) >= scenario->num_attach_heights ? hash : HASH_REAL
+#define HASH_RING(value) hash_real(hash, scenario->ring_angle_given ? (value) : REAL(0))
+#define HASH_FIELD(kind, core, wire, min, max, unit, text) hash = HASH_##kind(scenario->core);
 
 uint64_t ssv_scenario_hash(const ssv_scenario_t* scenario) {
-    const ssv_vehicle_t* vehicle = &scenario->vehicle;
-    uint64_t hash = hash_body(FNV_START, &vehicle->body);
-    hash = hash_real(hash, vehicle->radius_m);
-    hash = hash_real(hash, vehicle->force_max_N);
-    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-        hash = hash_vec3(hash, vehicle->thruster[i].p_ST_m);
-        hash = hash_vec3(hash, vehicle->thruster[i].n_T_S);
-    }
-    hash = hash_body(hash, &scenario->beam.body);
-    hash = hash_real(hash, scenario->beam.radius_m);
-    hash = hash_real(hash, scenario->beam.length_m);
-    hash = hash_real(hash, scenario->beam.drag_strip_kg_m2);
-    hash = hash_pose(hash, scenario->X_IS);
-    hash = hash_pose(hash, scenario->X_IB);
-    hash = hash_vec3(hash, scenario->p_IP_m);
-    hash = hash_vec3(hash, scenario->axis_I);
-    hash = hash_int(hash, scenario->contact);
-    hash = hash_real(hash, scenario->standoff_m);
-    hash = hash_real(hash, scenario->weight_time_per_s);
-    hash = hash_real(hash, scenario->weight_impulse_per_Ns);
-    hash = hash_int(hash, (int)scenario->method);
-    hash = hash_int(hash, (int)scenario->effort);
-    hash = hash_int(hash, scenario->num_attach_heights);
-    for (int k = 0; k < scenario->num_attach_heights && k < SSV_MAX_ATTACH_HEIGHTS; k++) {
-        hash = hash_real(hash, scenario->attach_heights_m[k]);
-    }
-    hash = hash_int(hash, scenario->attach_anywhere ? 1 : 0);
-    hash = hash_int(hash, scenario->want_candidates ? 1 : 0);
-    hash = hash_int(hash, scenario->ring_angle_given ? 1 : 0);
-    return hash_real(hash, scenario->ring_angle_given ? scenario->ring_angle_rad : REAL(0));
+    uint64_t hash = FNV_START;
+    SSV_FIELDS(HASH_FIELD)
+    return hash;
 }
 
 static uint64_t hash_candidate(uint64_t hash, const ssv_candidate_t* candidate) {
