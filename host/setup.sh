@@ -20,7 +20,7 @@ _ssv_die() { printf '%s\n' "$@" >&2; exit 1; }
 # ends well even then; what comes after it fails with another message.
 _ssv_lists_unread=
 _ssv_saw_no_network() {
-    grep -qE 'Temporary failure (resolving|in name resolution)|Could not (resolve|connect)|Network is unreachable|'\
+    grep -qE 'Temporary failure (resolving|in name resolution)|Could not (resolve|connect)|Network is unreachable|Cannot initiate|'\
 'Unable to connect|Failed to establish a new connection|Connection (failed|refused)' "$SSV_BUILD/setup.log"
 }
 

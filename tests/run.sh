@@ -16,7 +16,7 @@ Examples:
   bash tests/run.sh --quick               while writing one
   bash tests/run.sh -R arch -V            the architecture tests, with all that they print
   bash tests/run.sh --coverage -L unit    what the unit tests alone reach
-  SSV_SEED=7 bash tests/run.sh -R flight  other random scenarios
+  SSV_SEED=7 bash tests/run.sh -R scalars other random tasks, where a test has a seed (tests/README.md)
 
 Exit codes: 0 every test passed, 8 some failed, 1 the set-up or the build failed, 64 wrong usage."
 
