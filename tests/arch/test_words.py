@@ -32,8 +32,8 @@ WORDS = {
     "whitelist": "allow list",
 }
 REFUSED = re.compile(rf"(?<![A-Za-z])(?:(?P<mark>{'|'.join(MARKS)})|(?P<word>(?i:{'|'.join(WORDS)})))s?(?![A-Za-z])")
-# In the comments of C files: a series (1 + y + ...), code in braces and a usage line (FILE...) may have the ellipsis.
-ELLIPSIS = r"(?<![+-] )(?<!\{ )(?<![A-Z])\.\.\.(?! \})"
+# In the comments of C files: a series (1 + y + ...; 0, 1, ...), code in braces or marks, and a usage line (FILE...) may have it.
+ELLIPSIS = r"(?<![+,-] )(?<!\{ )(?<![A-Z`])\.\.\.(?! \})"
 FOLDERS = (".github", "firmware", "host", "lcmtypes", "sim", "tests")
 NAMES = ("*.c", "*.h", "*.py", "*.sh", "*.java", "*.md", "*.txt", "*.lcm", "*.yaml", "*.yml", "*.cmake", "*.in", "*.ld")
 NOT_OURS = ("tests/support/unity/", "tests/arch/test_words.py")
@@ -95,7 +95,7 @@ class Words(unittest.TestCase):
     def test_series_code_variadic_functions_and_words_that_hold_one_do_not_count(self):
         for line in ('char name[] = "%s.XXXXXX";', "void log_line(int level, const char* format, ...);", 'puts("more...");',
                      "/* 1 + y/2 + ... */", "/// if (ok) { ... } else { ... plan ... }", "// usage: program FILE...",
-                     "int provide; // improve", "todo = list(edges)"):
+                     "int provide; // improve", "todo = list(edges)", "// 0, 1, ... of a field", "// `..._poll`"):
             with self.subTest(line=line):
                 self.assertEqual(breaches_of("sim/planted.c", line), [])
 
