@@ -14,11 +14,13 @@ static bool write_file(const char* folder, const char* kind, int number, const u
     char path[4096];
     snprintf(path, sizeof path, "%s/%s%d", folder, kind, number);
     FILE* file = fopen(path, "wb");
-    if (file == NULL || size < 0 || fwrite(bytes, 1, (size_t)size, file) != (size_t)size || fclose(file) != 0) {
-        perror(path);
-        return false;
+    bool written = false;
+    if (file != NULL) {
+        written = size >= 0 && fwrite(bytes, 1, (size_t)size, file) == (size_t)size;
+        written = fclose(file) == 0 && written;
     }
-    return true;
+    if (!written) perror(path);
+    return written;
 }
 
 /// One scenario in each way, and a batch of two of them: by effort quick, and by the paper with a front.

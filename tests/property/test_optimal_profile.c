@@ -579,7 +579,8 @@ static void test_leg_for_which_time_costs_nothing_still_ends(void) {
 }
 
 int main(void) {
-    if (getenv("SSV_SEED") != NULL) seed = atoi(getenv("SSV_SEED"));
+    const char* wanted = getenv("SSV_SEED");
+    if (wanted != NULL) seed = atoi(wanted);
     num_random = sweep_count(2000, 12000);
     UNITY_BEGIN();
     RUN_TEST(test_the_two_oracles_agree);

@@ -1,5 +1,6 @@
 // What holds for the price of every task. SSV_LONG=1 runs the full sweeps.
 #include <stdio.h>
+#include <string.h>
 
 #include "sample.h"
 #include "sweep.h"
@@ -40,6 +41,7 @@ static bool quote_of(const ssv_scenario_t* s, ssv_quote_t* quote) {
     ssv_problem_t problem;
     ssv_work_t work;
     ssv_fault_t fault;
+    memset(quote, 0, sizeof *quote); // all that is read of one that was refused
     return ssv_problem_init(&problem, s, &fault) == SSV_OK && ssv_quote(&problem, &work, quote) == SSV_OK;
 }
 
