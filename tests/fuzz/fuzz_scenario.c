@@ -24,14 +24,17 @@ static bool is_price(double x) { return isfinite(x) && x >= 0; }
 #define RELATIVE 3e-5 // 256 roundings of 2^-23
 #define ABSOLUTE 1e-6 // where the terms cancel, as a time since the start does, in seconds of a plan of one segment
 #define BOUND 3e-5
+#define LIMIT_ABSOLUTE ABSOLUTE
 #elif defined(SSV_REAL_FIXED)
 #define RELATIVE 1e-9
 #define ABSOLUTE 0x1p-24 // 256 roundings of 2^-32, whatever the size
 #define BOUND 1e-9
+#define LIMIT_ABSOLUTE ABSOLUTE
 #else
 #define RELATIVE 1e-9
 #define ABSOLUTE 1e-9
 #define BOUND 1e-12
+#define LIMIT_ABSOLUTE 0 // a thrust keeps to its limit, and a price to its bound, however small they are
 #endif
 
 static bool is_near(double a, double b) { return fabs(a - b) <= RELATIVE * (fabs(a) + fabs(b)) + ABSOLUTE; }
@@ -104,7 +107,7 @@ static void check_quote(const lcm_ssv_scenario_t* question, const lcm_ssv_quote_
     if (quote->status == LCM_SSV_QUOTE_T_STATUS_OK) {
         check_price(question, quote->time_s, quote->impulse_Ns, quote->cost);
         CHECK(is_price(quote->cost_lower_bound) &&
-              quote->cost_lower_bound <= quote->cost * (1 + BOUND) + ABSOLUTE * BOUND);
+              quote->cost_lower_bound <= quote->cost * (1 + BOUND) + LIMIT_ABSOLUTE * BOUND);
         CHECK(question->contact == 0 || quote->choice.contact == question->contact);
     }
 }
@@ -129,7 +132,7 @@ static void check_motion(const lcm_ssv_scenario_t* question, const lcm_ssv_plan_
         end_s = segment->t_s + segment->duration_s;
         CHECK(segment->leg >= 0 && segment->leg < plan->num_legs);
         for (int k = 0; k < SSV_NUM_THRUSTERS; k++) {
-            const double limit_N = question->vehicle.force_max_N * (1 + RELATIVE) + ABSOLUTE;
+            const double limit_N = question->vehicle.force_max_N * (1 + RELATIVE) + LIMIT_ABSOLUTE;
             CHECK(fabs(segment->u_start_N[k]) <= limit_N && fabs(segment->u_end_N[k]) <= limit_N);
         }
     }
