@@ -20,8 +20,8 @@ Examples:
 
 Exit codes: 0 every test passed, 8 some failed, 1 the set-up or the build failed, 64 wrong usage."
 
-# For the tests without a limit of their own. The longest takes two minutes alone on two cores, and four times that where
-# three neighbours want the same cores.
+# For each test. The longest takes a minute of processor time, and less than half of this where three neighbours want the same
+# cores. One limit for all, since --long lifts it and a limit of a test's own would stay.
 seconds_per_test=900
 kind=all
 options=()

@@ -30,11 +30,10 @@ class ToolMissing(Exception):
     pass
 
 
-def tool(*names, package):
-    """The first of these programs that is installed; the Python that runs this may have them beside itself."""
-    beside = str(pathlib.Path(sys.executable).parent)
+def tool(*names, package, path=None):
+    """The first of these programs that is installed."""
     for name in names:
-        if found := shutil.which(name, path=f"{beside}:{os.environ['PATH']}"):
+        if found := shutil.which(name, path=path):
             return found
     raise ToolMissing(f"{names[0]} is not installed. Run tests/run.sh, which installs it, or: {package}")
 
@@ -82,7 +81,9 @@ def write_database(paths, folder):
 
 def check_format(files, fix=False):
     """Findings in files, as absolute paths."""
-    program = tool("clang-format", package="pip install --require-hashes -r tests/requirements-check.txt")
+    beside = pathlib.Path(sys.executable).parent  # where pip puts it
+    program = tool("clang-format", path=f"{beside}:{os.environ['PATH']}",
+                   package="pip install --require-hashes -r tests/requirements-check.txt")
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout
     if f" {FORMAT_VERSION}" not in version:
         raise ToolMissing(f"{program} is {version.strip()}, not {FORMAT_VERSION}: "
