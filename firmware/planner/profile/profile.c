@@ -8,6 +8,7 @@
 #include "planner/profile/estimate.h"
 #include "planner/profile/ramp.h"
 #include "planner/profile/tolerance.h"
+#include "ssv/scenario.h"
 
 #define N SSV_NUM_THRUSTERS
 // One arc of a profile is the cruise, the others are arcs of its two ramps.
