@@ -7,6 +7,7 @@
 #include "planner/math/gauss.h"
 #include "planner/profile/arc.h"
 #include "planner/profile/profile.h"
+#include "ssv/scenario.h"
 
 #define N SSV_NUM_THRUSTERS
 // Errors are looked at where Gauss's rule looks and at both ends.

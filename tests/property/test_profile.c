@@ -73,7 +73,7 @@ static void assert_obeys_the_ramp(const ssv_thrusts_t* t, ssv_ramp_t ramp, const
     const double a = arc->dv_dt[0] + v * (arc->dv_dt[1] + v * arc->dv_dt[2]);
     double low, high;
     limits(t, v, &low, &high);
-    const double slack = 1e-6 * (high - low); // a probe 1e-9 of the top speed beyond a knot decides its law
+    const double slack = 1e-6 * (high - low); // arcs are compared 1e-9 of the top speed beyond a switch
     if (arc->v_end > arc->v_start) {
         TEST_ASSERT_DOUBLE_WITHIN(slack, high, a);
     } else if (arc->v_end == arc->v_start) {

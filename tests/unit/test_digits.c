@@ -1,4 +1,4 @@
-// Vectors, poses, groups, profiles and timelines in every scalar: what is short, slow or nearly equal keeps its digits,
+// Vectors, poses, arcs, profiles and timelines in every scalar: what is short, slow or nearly equal keeps its digits,
 // too.
 #include <math.h>
 #include <string.h>
@@ -51,7 +51,7 @@ static void test_a_flight_turns_as_far_as_its_twist_says_however_little_that_is(
 // Without a constant thrust, the distance between two speeds is log((b + c v_to) / (b + c v_from)) / c.
 static void test_a_slow_coast_is_as_long_as_its_drag_says(void) {
     const double b = -16.3, c = 300;
-    const real_t law[3] = {REAL(0), real_from_double(b), real_from_double(c)};
+    const real_t dv_dt[3] = {REAL(0), real_from_double(b), real_from_double(c)};
     for (int n = 0; n < NUM_OF_EACH; n++) {
         const double fast = pow(10, sample_between(-5, -2)), slow = fast * sample_between(0.2, 0.6);
         const ssv_moments_t m = ssv_moments_between(law, real_from_double(fast), real_from_double(slow));
@@ -69,9 +69,9 @@ static double beyond_the_limit_N(const ssv_thrusts_t* thrusts, const ssv_profile
         const ssv_arc_t* arc = &profile->arc[k];
         for (int n = 0; n <= 4; n++) {
             const double v = real_to_double(arc->v_start) + n / 4.0 * real_to_double(arc->v_end - arc->v_start);
-            double law[3];
-            for (int m = 0; m < 3; m++) law[m] = real_to_double(arc->dv_dt[m]);
-            const double a = law[0] + v * (law[1] + v * law[2]);
+            double dv_dt[3];
+            for (int m = 0; m < 3; m++) dv_dt[m] = real_to_double(arc->dv_dt[m]);
+            const double a = dv_dt[0] + v * (dv_dt[1] + v * dv_dt[2]);
             for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
                 const double u = real_to_double(thrusts->accel[i]) * a + real_to_double(thrusts->linear[i]) * v +
                                  real_to_double(thrusts->quadratic[i]) * v * v;
@@ -207,8 +207,8 @@ static void test_a_leg_too_slow_for_the_scalar_is_an_honest_outcome(void) {
     }
 }
 
-// Whoever reads a ramp may be given an empty one, whose stretches hold nothing.
-static void test_an_empty_ramp_covers_no_distance_and_has_no_stretch_to_read(void) {
+// Whoever reads a ramp may be given an empty one, whose arcs hold nothing.
+static void test_an_empty_ramp_covers_no_distance_and_has_no_arc_to_read(void) {
     ssv_thruster_groups_t groups = {.num = 1, .weight = {REAL(1)}, .limit = {REAL(1)}, .total = REAL(1)};
     ssv_ramp_table_t ramp = {.first = NULL, .step = 1};
     real_t a = REAL(7);
@@ -231,6 +231,6 @@ int main(void) {
     RUN_TEST(test_the_price_of_a_leg_does_not_hang_on_the_last_digits_of_its_thrusts);
     RUN_TEST(test_an_arc_whose_thrusts_bend_within_a_fraction_of_a_millisecond_has_a_timeline);
     RUN_TEST(test_a_leg_too_slow_for_the_scalar_is_an_honest_outcome);
-    RUN_TEST(test_an_empty_ramp_covers_no_distance_and_has_no_stretch_to_read);
+    RUN_TEST(test_an_empty_ramp_covers_no_distance_and_has_no_arc_to_read);
     return UNITY_END();
 }

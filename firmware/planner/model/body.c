@@ -38,7 +38,7 @@ static ssv_wrench_t strip_drag(const ssv_beam_t* beam, vec3_t v_B, vec3_t w_B) {
                           vec3_scale(beam->drag_strip_kg_m2, sum.moment)};
 }
 
-// a x (m a), m by axis: exactly zero where all of m is the same. Noise in its place would keep laws of thrusters apart.
+// a x (m a), m by axis: exactly zero where all of m is the same. Noise in its place would keep idle curves apart.
 static vec3_t gyration(vec3_t m, vec3_t a) {
     return vec3(real_mul(m.z - m.y, real_mul(a.y, a.z)), real_mul(m.x - m.z, real_mul(a.z, a.x)),
                 real_mul(m.y - m.x, real_mul(a.x, a.y)));

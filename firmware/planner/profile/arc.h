@@ -3,6 +3,8 @@
 #ifndef SSV_ARC_H
 #define SSV_ARC_H
 
+#include <stdbool.h>
+
 #include "ssv/real.h"
 
 static inline real_t ssv_quadratic_at(const real_t c[3], real_t v) {

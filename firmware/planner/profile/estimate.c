@@ -6,6 +6,7 @@
 #include "planner/math/assert.h"
 #include "planner/math/gauss.h"
 #include "planner/profile/tolerance.h"
+#include "ssv/scenario.h"
 
 #define N SSV_NUM_THRUSTERS
 

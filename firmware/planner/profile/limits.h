@@ -3,7 +3,10 @@
 #ifndef SSV_LIMITS_H
 #define SSV_LIMITS_H
 
-#include "ssv/plan.h"
+#include <stdbool.h>
+
+#include "ssv/real.h"
+#include "ssv/scenario.h"
 
 /// Thruster i along a leg with speed v and acceleration a: accel[i] a + linear[i] v + quadratic[i] v^2, |.| <=
 /// force_max_N.

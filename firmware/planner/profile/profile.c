@@ -8,6 +8,7 @@
 #include "planner/profile/estimate.h"
 #include "planner/profile/ramp.h"
 #include "planner/profile/tolerance.h"
+#include "ssv/scenario.h"
 
 #define N SSV_NUM_THRUSTERS
 // One arc of a profile is the cruise, the others are arcs of its two ramps.
@@ -388,22 +389,20 @@ static void take_cruise(solved_leg_t* leg, flown_arc_t* flown) {
     flown->arc = &leg->cruise_arc;
     flown->dv_dt[0] = flown->dv_dt[1] = flown->dv_dt[2] = REAL(0);
     flown->impulse = real_mul(time, ssv_cruise_thrust(&leg->thrusts, leg->peak));
-    flown->falls = false;
 }
 
 // Arc n of the leg: those of the ramp up, the cruise if there is one, those of the slowing ramp from its peak down.
 static void take_arc(solved_leg_t* leg, int n, flown_arc_t* flown) {
     SSV_ASSERT(n >= 0 && n < num_flown_arcs(leg));
     const int from_end = num_flown_arcs(leg) - 1 - n;
-    const bool falls = from_end <= leg->slow.last;
-    if (n > leg->up.last && !falls) {
+    flown->falls = from_end <= leg->slow.last;
+    if (n > leg->up.last && !flown->falls) {
         take_cruise(leg, flown);
         return;
     }
-    flown->arc = falls ? ssv_ramp_flown_arc(&leg->slow, from_end) : ssv_ramp_flown_arc(&leg->up, n);
+    flown->arc = flown->falls ? ssv_ramp_flown_arc(&leg->slow, from_end) : ssv_ramp_flown_arc(&leg->up, n);
     ssv_ramp_dv_dt(&leg->switching.groups, flown->arc->arc_id, flown->dv_dt);
     flown->impulse = impulse_of(leg, flown->dv_dt, flown->arc);
-    flown->falls = falls;
 }
 
 // Adds an arc to the price, and to the profile unless that is NULL, in SI units. It begins at the distance `from` along

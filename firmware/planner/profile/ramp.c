@@ -311,17 +311,12 @@ void ssv_ramp_measure(const ssv_thruster_groups_t* groups, ssv_ramp_table_t* ram
     }
 }
 
-// The arc on which the ramp passes speed v.
-static int arc_at(const ssv_ramp_table_t* ramp, real_t v) {
-    int k = 0;
-    while (k + 1 < ramp->num && ssv_ramp_arc(ramp, k)->v_high < v) k++;
-    return k;
-}
-
 real_t ssv_ramp_acceleration(const ssv_thruster_groups_t* groups, const ssv_ramp_table_t* ramp, real_t v) {
     if (ramp->num == 0) return REAL(0);
     real_t c[3];
-    ssv_ramp_dv_dt(groups, ssv_ramp_arc(ramp, arc_at(ramp, v))->arc_id, c);
+    int k = 0;
+    while (k + 1 < ramp->num && ssv_ramp_arc(ramp, k)->v_high < v) k++;
+    ssv_ramp_dv_dt(groups, ssv_ramp_arc(ramp, k)->arc_id, c);
     return real_abs(ssv_quadratic_at(c, v));
 }
 
@@ -335,9 +330,10 @@ real_t ssv_ramp_distance_to(const ssv_thruster_groups_t* groups, ssv_ramp_table_
     }
     SSV_ASSERT(!(v < REAL(0)) && !(v > ssv_ramp_top_speed(ramp)));
     real_t distance = REAL(0), c[3];
-    ramp->last = arc_at(ramp, v);
-    for (int k = 0; k < ramp->last; k++) distance += ssv_ramp_arc(ramp, k)->m.distance;
-    ramp->partial = *ssv_ramp_arc(ramp, ramp->last);
+    int k = 0;
+    for (; k + 1 < ramp->num && ssv_ramp_arc(ramp, k)->v_high < v; k++) distance += ssv_ramp_arc(ramp, k)->m.distance;
+    ramp->last = k;
+    ramp->partial = *ssv_ramp_arc(ramp, k);
     ssv_ramp_dv_dt(groups, ramp->partial.arc_id, c);
     *acceleration = real_abs(ssv_quadratic_at(c, v));
     if (v != ramp->partial.v_high) {

@@ -9,6 +9,7 @@
 #include "planner/profile/arc.h"
 #include "planner/profile/limits.h"
 #include "ssv/real.h"
+#include "ssv/scenario.h"
 
 /// Which thruster is bound. SPEED_UP and BRAKE: the one with the tightest limit, to that limit (bang arcs). COAST: the
 /// one whose idling gives the least total thrust (coast arcs). MIN_COST_UP and MIN_COST_SLOW: as the optimality
