@@ -5,6 +5,7 @@ import shutil
 import tempfile
 import unittest
 
+import modules
 from core import ROOT, code_of, in_a_cycle
 
 CORE_API = tuple(f"firmware/include/ssv/{name}.h"
@@ -176,6 +177,9 @@ class Layers(unittest.TestCase):
                 with open(tree / path, "a") as file:
                     file.write("\n" + line + "\n")
                 self.assertIn(expected, "\n".join(breaches(tree)))
+
+    def test_design_lists_each_module_of_the_core_with_what_it_is_for_and_what_it_includes(self):
+        self.assertEqual(modules.written(), modules.table(), "bring it up to date: python3 tests/arch/modules.py")
 
     def test_words_in_comments_and_strings_do_not_count(self):
         self.assertEqual(code_of('a /* malloc(1) \n */ b // FILE\n "exit(1)" c').split(), ["a", "b", '""', "c"])

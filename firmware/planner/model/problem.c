@@ -1,3 +1,4 @@
+// Checks a scenario against the field table, and caches what follows from it.
 #include "planner/model/allocation.h"
 #include "planner/model/fields.def"
 
