@@ -3,7 +3,8 @@
 /// Speeds, distances, times and thrusts are in the units of a leg (DESIGN.md 5), where its length, its largest thrust
 /// and the peak of a short leg are about 1. A threshold that tells a number from rounding is the larger of what the
 /// method asks for and some REAL_NOISE, which is 2.2e-16 in double, 1.2e-7 in float and 6.0e-8 in fixed point; behind
-/// it stand its values in these three. A threshold with one value has it in every scalar.
+/// it stand its values in these three. A threshold with one value has it in every scalar. Where a figure says what
+/// breaks it was seen, all else follows from how the threshold is used.
 #ifndef SSV_TOLERANCE_H
 #define SSV_TOLERANCE_H
 
@@ -16,8 +17,8 @@
 #define SSV_TIME_PRICE_MIN_N REAL(1e-3)
 
 /// A thruster whose acceleration is a smaller share of the largest is passive: it holds drag alone and limits nothing.
-/// 1e-11 | 1.2e-4 | 6.1e-5. Larger: thrusters that do act pass their limit. Smaller: limit over acceleration overflows
-/// fixed point, and the idle curve of such a thruster is rounding.
+/// 1e-11 | 1.2e-4 | 6.1e-5. Larger: thrusters that do act pass their limit (a thousand times in float: 0.5 N beyond 6
+/// N). Smaller: limit over acceleration overflows fixed point, and the idle curve of such a thruster is rounding.
 #define PASSIVE_SHARE real_max(REAL(1e-11), 1024 * REAL_NOISE)
 
 /// Idle curves whose coefficients agree to this share of their size are one curve, and their thrusters one group.
@@ -63,7 +64,7 @@
 
 /// Accelerations of two arcs that differ by less than this share of their size are equal. 1e-11 | 1.9e-6 | 9.5e-7.
 /// Larger: arcs that do part are taken for one. Smaller: rounding decides which of two equal arcs holds, and the next
-/// question is answered the other way.
+/// question is answered the other way (a thousandth in float: a thruster 0.9 N beyond its limit of 6 N).
 #define SAME_ACCELERATION real_max(REAL(1e-11), 16 * REAL_NOISE)
 
 /// The next switch speed lies at least this share of the top speed beyond the last. 9.3e-10 | 1.9e-6 | 9.5e-7. Larger:
