@@ -1,9 +1,17 @@
 #include "ssv/planner.h"
 
+#include "planner/math/assert.h"
+#include "planner/model/body.h"
+#include "planner/motion/maneuver.h"
+#include "planner/motion/path.h"
+#include "planner/motion/question.h"
+#include "planner/profile/limits.h"
+#include "planner/profile/profile.h"
 #include "planner/search/select.h"
 #include "planner/segments.h"
+#include "ssv/vec3.h"
 
-// Solves the move once more and writes its leg and pieces.
+// Solves the maneuver once more and writes its leg and pieces.
 static ssv_outcome_t add_leg(const ssv_question_t* question, const ssv_assembly_t* assembly,
                              const ssv_maneuver_t* maneuver, pose_t X_IS, ssv_plan_t* plan) {
     ssv_thrusts_t thrusts;
@@ -13,6 +21,7 @@ static ssv_outcome_t add_leg(const ssv_question_t* question, const ssv_assembly_
     const ssv_price_t price = ssv_maneuver_solve(question, maneuver, &thrusts, &profile, &ramp);
     if (price.outcome != SSV_FEASIBLE) return price.outcome;
     if (plan->num_pieces + profile.num_pieces > SSV_MAX_PIECES) return SSV_TOO_MANY_PIECES;
+    SSV_ASSERT(plan->num_legs < SSV_MAX_LEGS);
     plan->leg[plan->num_legs++] = (ssv_leg_t){.phase = maneuver->phase,
                                               .kind = maneuver->kind,
                                               .ramp = ramp,
@@ -35,6 +44,7 @@ static ssv_outcome_t add_leg(const ssv_question_t* question, const ssv_assembly_
 }
 
 static void add_event(ssv_plan_t* plan, ssv_event_kind_t kind) {
+    SSV_ASSERT(plan->num_events < SSV_MAX_EVENTS);
     plan->event[plan->num_events++] = (ssv_event_t){plan->quote.time_s, kind};
 }
 
@@ -43,7 +53,7 @@ static ssv_assembly_t assembly_in(const ssv_problem_t* problem, ssv_phase_t phas
     return (ssv_assembly_t){&scenario->vehicle, phase == SSV_TRANSFER ? &scenario->beam : NULL, X_SB};
 }
 
-// Writes the motion of a chain: legs, pieces, events, final poses.
+// Writes the motion of a path: legs, pieces, events, final poses.
 static ssv_outcome_t write_motion(const ssv_question_t* question, const ssv_path_t* path, ssv_plan_t* plan) {
     pose_t X_IS = question->problem->scenario.X_IS;
     plan->quote.time_s = plan->quote.impulse_Ns = plan->quote.cost = REAL(0);
@@ -126,7 +136,7 @@ SSV_OWN_FRAME static ssv_outcome_t write_plan(const ssv_question_t* question, co
     return outcome;
 }
 
-// The paper's method, candidate by candidate, until one fits the plan's memory. @return whether one does; then *chain
+// The paper's method, candidate by candidate, until one fits the plan's memory. @return whether one does; then *path
 // is it.
 SSV_OWN_FRAME static bool plan_by_paper(const ssv_question_t* question, ssv_path_t* path, ssv_plan_t* plan) {
     ssv_question_t by_paper = *question;

@@ -1,4 +1,5 @@
 // The plan at one instant: where the vehicle is, how it moves, and what its thrusters do.
+#include "planner/model/body.h"
 #include "planner/motion/maneuver.h"
 #include "planner/profile/profile.h"
 #include "ssv/planner.h"

@@ -1,6 +1,5 @@
 #include "planner/motion/maneuver.h"
 
-#include "planner/math/assert.h"
 #include "planner/model/allocation.h"
 #include "planner/motion/price_order.h"
 #include "planner/motion/tolerance.h"

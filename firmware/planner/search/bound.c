@@ -2,6 +2,8 @@
 
 #include "planner/model/grasp.h"
 #include "planner/search/budget.h"
+#include "ssv/planner.h"
+#include "ssv/vec3.h"
 
 // Least cost of a metre for the vehicle's centre. For any vector y of length Y, a motion from rest to rest costs at
 // least y . (drag_lin dx) if no attitude lets the thrusters win more from y than a second costs:

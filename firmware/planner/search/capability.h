@@ -6,6 +6,8 @@
 #include "planner/model/body.h"
 #include "planner/motion/question.h"
 #include "planner/search/budget.h"
+#include "ssv/planner.h"
+#include "ssv/vec3.h"
 
 /// The thrusts that turns about S ask for at unit rate: for momentum, linear drag and quadratic drag.
 enum { SSV_TURN_ACCEL, SSV_TURN_LINEAR, SSV_TURN_QUADRATIC, SSV_NUM_TURN_PARTS };

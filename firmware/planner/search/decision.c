@@ -63,6 +63,7 @@ vec3_t ssv_half_of(quat_t q) {
 }
 
 quat_t ssv_spin(vec3_t axis, int spin, real_t x) {
+    SSV_ASSERT(0 <= spin && spin < SSV_NUM_SPINS);
     // Of half the angle.
     static const real_t cosine[SSV_NUM_SPINS] = {REAL(1), REAL(0.80901699437494745), REAL(0.30901699437494745),
                                                  REAL(-0.30901699437494734), REAL(-0.80901699437494734)};
@@ -96,6 +97,7 @@ ssv_phase_context_t ssv_transfer_context(const ssv_question_t* question, int con
 }
 
 ssv_phase_context_t ssv_transit_context(const ssv_phase_context_t* transfer, const pose_t* X_to) {
+    SSV_ASSERT(transfer->phase == SSV_TRANSFER);
     const pose_t* X_from = &transfer->question->problem->scenario.X_IS;
     return (ssv_phase_context_t){.question = transfer->question,
                                  .phase = SSV_TRANSIT,
@@ -220,6 +222,7 @@ static bool estimate(const ssv_phase_context_t* context, const ssv_motion_t* mot
 }
 
 real_t ssv_decision_price(ssv_phase_context_t* context, const ssv_decision_t* decision) {
+    SSV_ASSERT(context->transit_before == NULL || context->phase == SSV_TRANSFER);
     ssv_motion_t motion;
     real_t price, before = REAL(0);
     ssv_decision_motion(context, decision, &motion);

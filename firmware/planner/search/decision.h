@@ -4,8 +4,13 @@
 
 #include <stddef.h>
 
+#include "planner/model/body.h"
 #include "planner/model/grasp.h"
+#include "planner/motion/maneuver.h"
 #include "planner/motion/path.h"
+#include "planner/motion/question.h"
+#include "ssv/plan.h"
+#include "ssv/vec3.h"
 
 /// A phase turns, flies and turns. Its flight has two ends: where it starts, and where it ends.
 #define SSV_NUM_ENDS 2

@@ -1,6 +1,8 @@
 // What time and impulse can be traded for: the quotes of a ladder of weights (DESIGN.md 6).
+#include "planner/motion/question.h"
 #include "planner/search/budget.h"
 #include "planner/search/select.h"
+#include "ssv/planner.h"
 
 // Rungs of the ladder of weights: the price of a second, and that of a second of one thruster at its limit. The last
 // rung, which is not listed, is the scenario itself.

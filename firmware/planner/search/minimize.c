@@ -3,6 +3,7 @@
 #include "planner/math/assert.h"
 #include "planner/motion/price_order.h"
 #include "planner/search/tolerance.h"
+#include "ssv/plan.h"
 
 // What is minimised, and where it stands.
 typedef struct {

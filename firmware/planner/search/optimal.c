@@ -1,7 +1,15 @@
 #include "planner/search/optimal.h"
 
 #include "planner/math/assert.h"
+#include "planner/model/grasp.h"
+#include "planner/motion/maneuver.h"
+#include "planner/motion/path.h"
+#include "planner/motion/question.h"
+#include "planner/search/budget.h"
+#include "planner/search/decision.h"
 #include "planner/search/minimize.h"
+#include "planner/search/seed.h"
+#include "ssv/vec3.h"
 
 // Seeds of the transfer with the price of their transits: those that screening kept, or fresh ones.
 static ssv_seeds_t begin(ssv_phase_context_t* context, ssv_memory_t* memory, const ssv_budget_t* budget) {

@@ -3,6 +3,7 @@
 #define SSV_SEARCH_OPTIMAL_H
 
 #include "planner/search/screen.h"
+#include "ssv/plan.h"
 
 /// Searches one candidate with this effort: by estimates, then priced exactly. Effort quick goes on from the last
 /// screening, which must be of this candidate. *search->best is replaced if what is found costs less. @return what was

@@ -1,9 +1,13 @@
 #include "planner/search/paper.h"
 
+#include "planner/model/body.h"
+#include "planner/model/grasp.h"
 #include "planner/motion/maneuver.h"
 #include "planner/profile/estimate.h"
 #include "planner/search/bound.h"
 #include "planner/search/tolerance.h"
+#include "ssv/planner.h"
+#include "ssv/vec3.h"
 
 // What a straight flight costs at least. With the drag of a beam some thruster may have less to do than without.
 static real_t straight_price(const ssv_question_t* question, const ssv_assembly_t* assembly,

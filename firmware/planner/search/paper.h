@@ -3,7 +3,9 @@
 #ifndef SSV_SEARCH_PAPER_H
 #define SSV_SEARCH_PAPER_H
 
+#include "planner/motion/maneuver.h"
 #include "planner/motion/path.h"
+#include "planner/motion/question.h"
 
 /// A search of candidates by the paper's paths.
 typedef struct {

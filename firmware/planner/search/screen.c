@@ -3,6 +3,8 @@
 #include "planner/math/assert.h"
 #include "planner/motion/price_order.h"
 #include "planner/search/minimize.h"
+#include "ssv/scenario.h"
+#include "ssv/vec3.h"
 
 real_t ssv_screen_flights(const ssv_search_t* search, int contact, real_t height_m) {
     const ssv_scenario_t* s = &search->question->problem->scenario;

@@ -3,7 +3,10 @@
 #define SSV_SCREEN_H
 
 #include "planner/motion/path.h"
+#include "planner/motion/question.h"
 #include "planner/search/budget.h"
+#include "planner/search/capability.h"
+#include "planner/search/decision.h"
 #include "planner/search/seed.h"
 
 /// What the search for a path remembers from one candidate to the next, in the caller's ssv_work_t.

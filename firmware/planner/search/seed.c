@@ -1,10 +1,14 @@
 #include "planner/search/seed.h"
 
 #include "planner/math/assert.h"
+#include "planner/model/body.h"
 #include "planner/motion/maneuver.h"
 #include "planner/motion/price_order.h"
+#include "planner/motion/question.h"
 #include "planner/search/budget.h"
 #include "planner/search/tolerance.h"
+#include "ssv/plan.h"
+#include "ssv/vec3.h"
 
 void ssv_seeds_insert(ssv_seeds_t* seeds, const ssv_seed_t* seed) {
     const real_t total = ssv_seed_total(seed);

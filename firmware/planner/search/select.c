@@ -1,9 +1,11 @@
 #include "planner/search/select.h"
 
 #include "planner/math/assert.h"
+#include "planner/motion/maneuver.h"
 #include "planner/motion/price_order.h"
 #include "planner/search/bound.h"
 #include "planner/search/budget.h"
+#include "planner/search/capability.h"
 #include "planner/search/optimal.h"
 #include "planner/search/paper.h"
 #include "planner/search/screen.h"
@@ -29,6 +31,7 @@ static void enter_candidates(const ssv_scenario_t* scenario, ssv_quote_t* quote)
     for (int contact = 1; contact <= SSV_NUM_CONTACTS; contact++) {
         if (scenario->contact != 0 && scenario->contact != contact) continue;
         for (int k = 0; k < scenario->num_attach_heights; k++) {
+            SSV_ASSERT(quote->num_candidates < SSV_MAX_CANDIDATES);
             quote->candidate[quote->num_candidates++] = (ssv_candidate_t){
                 contact, scenario->attach_heights_m[k], REAL(0), SSV_NO_AUTHORITY, REAL(0), REAL(0), REAL(0)};
         }

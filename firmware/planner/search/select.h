@@ -4,6 +4,7 @@
 
 #include "planner/motion/path.h"
 #include "planner/motion/question.h"
+#include "ssv/planner.h"
 
 /// Searches every candidate by the question's method. The quote's candidates are then those that were looked at; the
 /// rest of it is filled in by ssv_quote_finish_price. *work is not looked at by method paper and may be NULL then.
