@@ -1,9 +1,17 @@
 #include "ssv/planner.h"
 
+#include "planner/math/assert.h"
+#include "planner/model/body.h"
+#include "planner/motion/maneuver.h"
+#include "planner/motion/path.h"
+#include "planner/motion/question.h"
+#include "planner/profile/limits.h"
+#include "planner/profile/profile.h"
 #include "planner/search/select.h"
 #include "planner/segments.h"
+#include "ssv/vec3.h"
 
-// Solves the move once more and writes its leg and arcs.
+// Solves the maneuver once more and writes its leg and arcs.
 static ssv_outcome_t add_leg(const ssv_question_t* question, const ssv_assembly_t* assembly,
                              const ssv_maneuver_t* maneuver, pose_t X_IS, ssv_plan_t* plan) {
     ssv_thrusts_t thrusts;
@@ -13,6 +21,7 @@ static ssv_outcome_t add_leg(const ssv_question_t* question, const ssv_assembly_
     const ssv_price_t price = ssv_maneuver_solve(question, maneuver, &thrusts, &profile, &ramp);
     if (price.outcome != SSV_FEASIBLE) return price.outcome;
     if (plan->num_arcs + profile.num_arcs > SSV_MAX_ARCS) return SSV_TOO_MANY_ARCS;
+    SSV_ASSERT(plan->num_legs < SSV_MAX_LEGS);
     plan->leg[plan->num_legs++] = (ssv_leg_t){.phase = maneuver->phase,
                                               .kind = maneuver->kind,
                                               .ramp = ramp,
@@ -35,6 +44,7 @@ static ssv_outcome_t add_leg(const ssv_question_t* question, const ssv_assembly_
 }
 
 static void add_event(ssv_plan_t* plan, ssv_event_kind_t kind) {
+    SSV_ASSERT(plan->num_events < SSV_MAX_EVENTS);
     plan->event[plan->num_events++] = (ssv_event_t){plan->quote.time_s, kind};
 }
 
@@ -43,7 +53,7 @@ static ssv_assembly_t assembly_in(const ssv_problem_t* problem, ssv_phase_t phas
     return (ssv_assembly_t){&scenario->vehicle, phase == SSV_TRANSFER ? &scenario->beam : NULL, X_SB};
 }
 
-// Writes the motion of a chain: legs, arcs, events, final poses.
+// Writes the motion of a path: legs, arcs, events, final poses.
 static ssv_outcome_t write_motion(const ssv_question_t* question, const ssv_path_t* path, ssv_plan_t* plan) {
     pose_t X_IS = question->problem->scenario.X_IS;
     plan->quote.time_s = plan->quote.impulse_Ns = plan->quote.cost = REAL(0);
@@ -126,7 +136,7 @@ SSV_OWN_FRAME static ssv_outcome_t write_plan(const ssv_question_t* question, co
     return outcome;
 }
 
-// The paper's method, candidate by candidate, until one fits the plan's memory. @return whether one does; then *chain
+// The paper's method, candidate by candidate, until one fits the plan's memory. @return whether one does; then *path
 // is it.
 SSV_OWN_FRAME static bool plan_by_paper(const ssv_question_t* question, ssv_path_t* path, ssv_plan_t* plan) {
     ssv_question_t by_paper = *question;
@@ -155,47 +165,4 @@ ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_work_t* work, ssv_plan_t
         memset((char*)plan + sizeof plan->quote, 0, sizeof *plan - sizeof plan->quote);
     }
     return plan->quote.status;
-}
-
-static real_t clamp(real_t x, real_t low, real_t high) { return real_max(low, real_min(high, x)); }
-
-static int leg_at(const ssv_plan_t* plan, real_t t_s) {
-    int leg = 0;
-    while (leg + 1 < plan->num_legs && plan->leg[leg + 1].t_start_s <= t_s) leg++;
-    return leg;
-}
-
-static void sample_motion(const ssv_plan_t* plan, const ssv_leg_t* leg, real_t t_s, ssv_sample_t* sample) {
-    const real_t t = clamp(t_s - leg->t_start_s, REAL(0), leg->duration_s);
-    int k = leg->first_arc;
-    while (k + 1 < leg->first_arc + leg->num_arcs && plan->arc[k + 1].t_s <= t) k++;
-    const ssv_arc_t* arc = &plan->arc[k];
-    const real_t t_arc = clamp(t - arc->t_s, REAL(0), arc->duration_s);
-    const real_t v = ssv_arc_speed(arc, t_arc);
-    const real_t s = arc->s + ssv_arc_moments(arc, arc->v_start, v, t_arc).distance;
-    const ssv_twist_t twist = {leg->v_S, leg->w_S};
-    sample->X_IS = ssv_maneuver_pose(leg->X_IS_start, twist, s);
-    sample->v_IS_S_m_s = vec3_scale(v, leg->v_S);
-    sample->w_IS_S_rad_s = vec3_scale(v, leg->w_S);
-}
-
-void ssv_plan_sample(const ssv_plan_t* plan, real_t t_s, ssv_sample_t* sample) {
-    memset(sample, 0, sizeof *sample);
-    sample->X_IS = plan->X_IS_final;
-    sample->mated = t_s >= plan->event[0].t_s;
-    if (plan->num_legs == 0) return;
-    sample->leg = leg_at(plan, t_s);
-    if (t_s < REAL(0)) {
-        sample->X_IS = plan->leg[0].X_IS_start;
-        return;
-    }
-    if (t_s >= plan->quote.time_s) return;
-    sample_motion(plan, &plan->leg[sample->leg], t_s, sample);
-    int k = 0;
-    while (k + 1 < plan->num_segments && plan->segment[k + 1].t_s <= t_s) k++;
-    const ssv_segment_t* segment = &plan->segment[k];
-    const real_t along = clamp(real_div(t_s - segment->t_s, segment->duration_s), REAL(0), REAL(1));
-    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-        sample->u_N[i] = segment->u_start_N[i] + real_mul(along, segment->u_end_N[i] - segment->u_start_N[i]);
-    }
 }

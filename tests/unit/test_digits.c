@@ -171,8 +171,8 @@ static void test_an_arc_whose_thrusts_bend_within_a_fraction_of_a_millisecond_ha
         const double slope = -sample_between(8000, 12000), v = sample_between(0.2, 0.5),
                      pull = sample_between(0.05, 0.3);
         ssv_arc_t arc = {.dv_dt = {real_from_double(pull - slope * v), real_from_double(slope)},
-                             .v_start = real_from_double(v),
-                             .duration_s = real_from_double(sample_between(1, 2) / -slope)};
+                         .v_start = real_from_double(v),
+                         .duration_s = real_from_double(sample_between(1, 2) / -slope)};
         arc.v_end = ssv_speed_after(arc.dv_dt, arc.v_start, arc.duration_s);
         const uint32_t overflows = real_overflows();
         plan.num_segments = 0;

@@ -1,12 +1,15 @@
-/// Legs: motion along a constant twist of the vehicle, and its price by the question's method.
+/// Maneuvers: motion along a constant twist of the vehicle, and its price by the question's method.
 #ifndef SSV_MANEUVER_H
 #define SSV_MANEUVER_H
 
 #include "planner/model/body.h"
 #include "planner/motion/question.h"
+#include "planner/profile/limits.h"
 #include "planner/profile/profile.h"
+#include "ssv/planner.h"
+#include "ssv/vec3.h"
 
-/// Where a leg goes. Distances are in rad for SSV_TURN, else in m.
+/// Which way a leg of the plan goes. Distances are in rad for SSV_TURN, else in m.
 typedef struct {
     ssv_phase_t phase;
     ssv_leg_kind_t kind;
@@ -29,7 +32,8 @@ bool ssv_price_beats(const ssv_price_t* a, const ssv_price_t* b);
 /// The weight of time that legs are planned with; their price is that with the question's own.
 real_t ssv_leg_weight_time(const ssv_question_t* question);
 
-/// Straight flight by displacement_S [m] in axes of S, attitude held. A displacement of zero makes a move of length 0.
+/// Straight flight by displacement_S [m] in axes of S, attitude held. A displacement of zero makes a maneuver of length
+/// 0.
 ssv_maneuver_t ssv_maneuver_translate(ssv_phase_t phase, vec3_t displacement_S);
 
 /// Turn by angle_rad >= 0 about the unit vector axis_S through pivot_S [m].
@@ -47,17 +51,17 @@ pose_t ssv_maneuver_pose(pose_t X_IS, ssv_twist_t twist, real_t s);
 /// own.
 real_t ssv_metre_price(const ssv_question_t* question, vec3_t n_S);
 
-/// Thrusts along a move of this assembly (DESIGN.md 4).
+/// Thrusts along a maneuver of this assembly (DESIGN.md 4).
 void ssv_maneuver_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assembly, ssv_twist_t twist,
                           ssv_thrusts_t* thrusts);
 
-/// Price of a move: with the optimal profile, or for method paper with the cheaper of its ramps. A move of length 0
+/// Price of a maneuver: with the optimal profile, or for method paper with the cheaper of its ramps. One of length 0
 /// costs nothing.
 /// @return the price; where no ramp is feasible, why; then *ramp is not meaningful.
 ssv_price_t ssv_maneuver_price(const ssv_question_t* question, const ssv_maneuver_t* maneuver,
                                const ssv_thrusts_t* thrusts, ssv_ramp_t* ramp);
 
-/// The same with the profile; a move of length 0 has no arcs.
+/// The same with the profile; a maneuver of length 0 has no arcs.
 ssv_price_t ssv_maneuver_solve(const ssv_question_t* question, const ssv_maneuver_t* maneuver,
                                const ssv_thrusts_t* thrusts, ssv_profile_t* profile, ssv_ramp_t* ramp);
 

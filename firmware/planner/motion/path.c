@@ -1,6 +1,8 @@
 #include "planner/motion/path.h"
 
+#include "planner/math/assert.h"
 #include "planner/profile/estimate.h"
+#include "planner/profile/limits.h"
 
 static void add_price(ssv_price_t* sum, const ssv_price_t* price) {
     if (sum->outcome == SSV_FEASIBLE) sum->outcome = price->outcome;
@@ -28,19 +30,20 @@ static bool same_maneuver(const ssv_maneuver_t* a, const ssv_maneuver_t* b) {
 }
 
 void ssv_phase_path_price(const ssv_question_t* question, const ssv_assembly_t* assembly, const ssv_phase_path_t* known,
-                          ssv_phase_path_t* flight) {
-    flight->price = (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
-    for (int k = 0; k < flight->num_maneuvers; k++) {
-        const ssv_maneuver_t* maneuver = &flight->maneuver[k];
+                          ssv_phase_path_t* phase) {
+    SSV_ASSERT(0 <= phase->num_maneuvers && phase->num_maneuvers <= SSV_MAX_PHASE_MANEUVERS);
+    phase->price = (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
+    for (int k = 0; k < phase->num_maneuvers; k++) {
+        const ssv_maneuver_t* maneuver = &phase->maneuver[k];
         if (known != NULL && k < known->num_maneuvers && same_maneuver(maneuver, &known->maneuver[k])) {
-            flight->maneuver_price[k] = known->maneuver_price[k];
+            phase->maneuver_price[k] = known->maneuver_price[k];
         } else {
             ssv_thrusts_t thrusts;
             ssv_ramp_t ramp;
             ssv_maneuver_thrusts(question->problem, assembly, maneuver->twist, &thrusts);
-            flight->maneuver_price[k] = ssv_maneuver_price(question, maneuver, &thrusts, &ramp);
+            phase->maneuver_price[k] = ssv_maneuver_price(question, maneuver, &thrusts, &ramp);
         }
-        add_price(&flight->price, &flight->maneuver_price[k]);
+        add_price(&phase->price, &phase->maneuver_price[k]);
     }
 }
 
@@ -63,10 +66,10 @@ bool ssv_maneuvers_estimate(const ssv_question_t* question, const ssv_assembly_t
 }
 
 ssv_price_t ssv_path_price(const ssv_phase_path_t* transit, const ssv_phase_path_t* transfer) {
-    const ssv_phase_path_t* flight[2] = {transit, transfer};
+    const ssv_phase_path_t* phases[2] = {transit, transfer};
     ssv_price_t price = {SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
     for (int phase = 0; phase < 2; phase++) {
-        for (int k = 0; k < flight[phase]->num_maneuvers; k++) add_price(&price, &flight[phase]->maneuver_price[k]);
+        for (int k = 0; k < phases[phase]->num_maneuvers; k++) add_price(&price, &phases[phase]->maneuver_price[k]);
     }
     if (price.outcome == SSV_FEASIBLE && price.time_s > SSV_DURATION_MAX_S) price.outcome = SSV_TOO_LONG;
     return price;
@@ -85,13 +88,13 @@ ssv_candidate_t ssv_candidate_of(const ssv_grasp_t* grasp, const ssv_price_t* pr
 
 void ssv_path_join(const ssv_grasp_t* grasp, const ssv_phase_path_t* transit, const ssv_phase_path_t* transfer,
                    pose_t X_SB, ssv_path_t* path) {
-    const ssv_phase_path_t* flight[2] = {transit, transfer};
+    const ssv_phase_path_t* phases[2] = {transit, transfer};
     path->grasp = *grasp;
     path->X_SB = X_SB;
     path->num_maneuvers = 0;
     path->price = ssv_path_price(transit, transfer);
     for (int phase = 0; phase < 2; phase++) {
-        for (int k = 0; k < flight[phase]->num_maneuvers; k++)
-            path->maneuver[path->num_maneuvers++] = flight[phase]->maneuver[k];
+        for (int k = 0; k < phases[phase]->num_maneuvers; k++)
+            path->maneuver[path->num_maneuvers++] = phases[phase]->maneuver[k];
     }
 }

@@ -1,9 +1,30 @@
 #include "planner/search/decision.h"
 
+#include "planner/math/assert.h"
 #include "planner/profile/estimate.h"
+#include "planner/search/budget.h"
+#include "planner/search/tolerance.h"
 
-// Steps to and fro between how the vehicle travels and where.
-#define NUM_AIMS 2
+_Static_assert(sizeof(vec3_t) == 3 * sizeof(real_t), "the free numbers lie one after the other, as they are named");
+
+// First steps in rad of rotations and in m of pivots, by measurement.
+const ssv_free_number_t ssv_free_number[sizeof(ssv_free_numbers_t) / sizeof(real_t)] = {
+    [SSV_NUMBER_OF(turn.x)] = {.first_step = REAL(0.1)},
+    [SSV_NUMBER_OF(turn.y)] = {.first_step = REAL(0.1), .flips = true},
+    [SSV_NUMBER_OF(turn.z)] = {.first_step = REAL(0.1), .flips = true},
+    [SSV_NUMBER_OF(twist.x)] = {.first_step = REAL(0.15)},
+    [SSV_NUMBER_OF(twist.y)] = {.first_step = REAL(0.15), .flips = true},
+    [SSV_NUMBER_OF(twist.z)] = {.first_step = REAL(0.15), .flips = true},
+    [SSV_NUMBER_OF(mate_roll)] = {.first_step = REAL(0.25), .transfer_only = true},
+    [SSV_NUMBER_OF(spin[0])] = {.first_step = REAL(0.4), .transfer_only = true},
+    [SSV_NUMBER_OF(spin[1])] = {.first_step = REAL(0.4), .transfer_only = true},
+    [SSV_NUMBER_OF(pivot[0].x)] = {.first_step = REAL(0.12), .transfer_only = true},
+    [SSV_NUMBER_OF(pivot[0].y)] = {.first_step = REAL(0.12), .transfer_only = true, .flips = true},
+    [SSV_NUMBER_OF(pivot[0].z)] = {.first_step = REAL(0.12), .transfer_only = true, .flips = true},
+    [SSV_NUMBER_OF(pivot[1].x)] = {.first_step = REAL(0.12), .transfer_only = true},
+    [SSV_NUMBER_OF(pivot[1].y)] = {.first_step = REAL(0.12), .transfer_only = true, .flips = true},
+    [SSV_NUMBER_OF(pivot[1].z)] = {.first_step = REAL(0.12), .transfer_only = true, .flips = true},
+};
 
 static const vec3_t x_axis = {REAL(1), REAL(0), REAL(0)}, y_axis = {REAL(0), REAL(1), REAL(0)},
                     z_axis = {REAL(0), REAL(0), REAL(1)};
@@ -24,7 +45,7 @@ quat_t ssv_attitude(vec3_t a_S, vec3_t b_S, vec3_t a_I, vec3_t b_I) {
     const vec3_t b = quat_apply(q, b_S);
     const vec3_t from = vec3_sub(b, vec3_scale(vec3_dot(b, a_I), a_I)),
                  to = vec3_sub(b_I, vec3_scale(vec3_dot(b_I, a_I), a_I));
-    if (!(real_min(vec3_norm(from), vec3_norm(to)) > REAL(1e-6))) return q;
+    if (!(real_min(vec3_norm(from), vec3_norm(to)) > SSV_NO_ROLL)) return q;
     const vec3_t u = vec3_unit(from), v = vec3_unit(to);
     return quat_mul(roll_about(a_I, vec3_dot(u, v), vec3_dot(a_I, vec3_cross(u, v))), q);
 }
@@ -42,6 +63,7 @@ vec3_t ssv_half_of(quat_t q) {
 }
 
 quat_t ssv_spin(vec3_t axis, int spin, real_t x) {
+    SSV_ASSERT(0 <= spin && spin < SSV_NUM_SPINS);
     // Of half the angle.
     static const real_t cosine[SSV_NUM_SPINS] = {REAL(1), REAL(0.80901699437494745), REAL(0.30901699437494745),
                                                  REAL(-0.30901699437494734), REAL(-0.80901699437494734)};
@@ -51,10 +73,6 @@ quat_t ssv_spin(vec3_t axis, int spin, real_t x) {
     const real_t c = real_mul(scale, cosine[spin] - real_mul(half, sine[spin]));
     const real_t s = real_mul(scale, sine[spin] + real_mul(half, cosine[spin]));
     return (quat_t){c, real_mul(s, axis.x), real_mul(s, axis.y), real_mul(s, axis.z)};
-}
-
-static vec3_t part(const ssv_decision_t* decision, int first) {
-    return vec3(decision->x[first], decision->x[first + 1], decision->x[first + 2]);
 }
 
 ssv_phase_context_t ssv_transfer_context(const ssv_question_t* question, int contact, real_t height_m) {
@@ -79,6 +97,7 @@ ssv_phase_context_t ssv_transfer_context(const ssv_question_t* question, int con
 }
 
 ssv_phase_context_t ssv_transit_context(const ssv_phase_context_t* transfer, const pose_t* X_to) {
+    SSV_ASSERT(transfer->phase == SSV_TRANSFER);
     const pose_t* X_from = &transfer->question->problem->scenario.X_IS;
     return (ssv_phase_context_t){.question = transfer->question,
                                  .phase = SSV_TRANSIT,
@@ -89,7 +108,7 @@ ssv_phase_context_t ssv_transit_context(const ssv_phase_context_t* transfer, con
                                  .closeness = transfer->closeness};
 }
 
-// What of a trial's attitudes does not hang on the way.
+// What of a decision's attitudes does not depend on where the flight starts and ends.
 typedef struct {
     quat_t q_middle, twist;
     vec3_t ahead_S;            // the chord of the flight's arc, in axes of the middle attitude
@@ -98,15 +117,15 @@ typedef struct {
 } carriage_t;
 
 static void carriage_of(const ssv_phase_context_t* context, const ssv_decision_t* decision, carriage_t* c) {
-    const vec3_t twist = part(decision, SSV_X_TWIST);
-    const quat_t turn = rotation_of(part(decision, SSV_X_TURN));
+    const vec3_t twist = decision->free.twist;
+    const quat_t turn = rotation_of(decision->free.turn);
     const real_t twisted = square(twist);
     c->q_middle = quat_mul(decision->q_IT, turn);
     c->twist = rotation_of(twist);
     c->ahead_S = quat_apply(quat_conj(turn), decision->n_S);
     // Over an arc of twice the angle a, what is across its axis shrinks by sin(a) / a: with t = tan(a / 2) that is
     // t / atan(t) / (1 + t^2), here within 1 % up to t = 1.
-    if (twisted > REAL(1e-6)) {
+    if (twisted > SSV_NO_TWIST_SQ) {
         const real_t tt = real_mul(REAL(0.25), twisted);
         const real_t shrink =
             real_div(REAL(15) + real_mul(REAL(9), tt), real_mul(REAL(1) + tt, REAL(15) + real_mul(REAL(4), tt)));
@@ -114,16 +133,17 @@ static void carriage_of(const ssv_phase_context_t* context, const ssv_decision_t
         c->ahead_S = vec3_unit(vec3_add(along, vec3_scale(shrink, vec3_sub(c->ahead_S, along))));
     }
     if (context->phase == SSV_TRANSIT) return;
-    c->axis_S = quat_apply(ssv_spin(x_axis, 0, decision->x[SSV_X_MATE_ROLL]), decision->axis_S);
+    c->axis_S = quat_apply(ssv_spin(x_axis, 0, decision->free.mate_roll), decision->axis_S);
     for (int end = 0; end < SSV_NUM_ENDS; end++) {
-        c->spin[end] = ssv_spin(context->transfer.axis_I[end], decision->spin[end], decision->x[SSV_X_SPIN + end]);
+        c->spin[end] = ssv_spin(context->transfer.axis_I[end], decision->spin[end], decision->free.spin[end]);
     }
 }
 
-static void aim(const ssv_phase_context_t* context, const carriage_t* c, vec3_t way, ssv_attitudes_t* a) {
-    const bool flies = square(way) > real_sq(SSV_NO_WAY_M);
+static void aim(const ssv_phase_context_t* context, const carriage_t* c, vec3_t displacement_I, ssv_attitudes_t* a) {
+    const bool flies = square(displacement_I) > real_sq(SSV_NO_DIRECTION_M);
     const quat_t q =
-        flies ? quat_mul(quat_between(quat_apply(c->q_middle, c->ahead_S), vec3_unit(way)), c->q_middle) : c->q_middle;
+        flies ? quat_mul(quat_between(quat_apply(c->q_middle, c->ahead_S), vec3_unit(displacement_I)), c->q_middle)
+              : c->q_middle;
     a->q_IT[0] = quat_mul(q, quat_conj(c->twist));
     a->q_IT[1] = quat_mul(q, c->twist);
     for (int end = 0; end < SSV_NUM_ENDS; end++) {
@@ -138,11 +158,11 @@ static void aim(const ssv_phase_context_t* context, const carriage_t* c, vec3_t 
     }
 }
 
-void ssv_decision_attitudes(const ssv_phase_context_t* context, const ssv_decision_t* decision, vec3_t way,
+void ssv_decision_attitudes(const ssv_phase_context_t* context, const ssv_decision_t* decision, vec3_t displacement_I,
                             ssv_attitudes_t* attitudes) {
     carriage_t carriage;
     carriage_of(context, decision, &carriage);
-    aim(context, &carriage, way, attitudes);
+    aim(context, &carriage, displacement_I, attitudes);
 }
 
 // The turn about a pivot from one attitude to another, the shorter way round.
@@ -157,7 +177,7 @@ static ssv_maneuver_t turn_about(ssv_phase_t phase, quat_t q_from, quat_t q_to, 
 void ssv_decision_motion(const ssv_phase_context_t* context, const ssv_decision_t* decision, ssv_motion_t* motion) {
     const bool alone = context->phase == SSV_TRANSIT;
     const vec3_t ahead = vec3(alone ? REAL(0) : context->question->problem->scenario.standoff_m, REAL(0), REAL(0));
-    const vec3_t pivot[SSV_NUM_ENDS] = {part(decision, SSV_X_PIVOT), part(decision, SSV_X_PIVOT + 3)};
+    const vec3_t* pivot = decision->free.pivot;
     // From hold_I[0], so that they keep their digits wherever in the tank that is.
     const vec3_t hold[SSV_NUM_ENDS] = {vec3(REAL(0), REAL(0), REAL(0)),
                                        vec3_sub(context->hold_I[1], context->hold_I[0])};
@@ -167,7 +187,7 @@ void ssv_decision_motion(const ssv_phase_context_t* context, const ssv_decision_
     carriage_of(context, decision, &carriage);
     // Where a transfer's flight starts and ends depends on how the vehicle travels, and that on the way from one to the
     // other: a few steps to and fro.
-    for (int n = 0; n < (alone ? 1 : NUM_AIMS); n++) {
+    for (int n = 0; n < (alone ? 1 : SSV_NUM_AIMS); n++) {
         aim(context, &carriage, vec3_sub(p_T[1], p_T[0]), &a);
         for (int end = 0; !alone && end < SSV_NUM_ENDS; end++) {
             const vec3_t turned = quat_apply(a.q_IS[end], vec3_sub(pivot[end], ahead));
@@ -188,4 +208,42 @@ ssv_grasp_t ssv_phase_grasp(const ssv_phase_context_t* context, const pose_t* X_
     const vec3_t outward_B = quat_apply(quat_conj(s->X_IB.q), vec3_neg(quat_apply(X_IS->q, x_axis)));
     const real_t ring_angle = s->ring_angle_given ? s->ring_angle_rad : real_atan2(outward_B.y, outward_B.x);
     return (ssv_grasp_t){context->contact, context->height_m, ring_angle};
+}
+
+SSV_OWN_FRAME pose_t ssv_decision_start(const ssv_phase_context_t* context, const ssv_decision_t* decision) {
+    ssv_motion_t motion;
+    ssv_decision_motion(context, decision, &motion);
+    return motion.X_from;
+}
+
+static bool estimate(const ssv_phase_context_t* context, const ssv_motion_t* motion, real_t* price) {
+    return ssv_maneuvers_estimate(context->question, &motion->assembly, motion->maneuver, SSV_MAX_PHASE_MANEUVERS,
+                                  context->closeness, price);
+}
+
+real_t ssv_decision_price(ssv_phase_context_t* context, const ssv_decision_t* decision) {
+    SSV_ASSERT(context->transit_before == NULL || context->phase == SSV_TRANSFER);
+    ssv_motion_t motion;
+    real_t price, before = REAL(0);
+    ssv_decision_motion(context, decision, &motion);
+    context->num_priced++;
+    if (!estimate(context, &motion, &price)) return SSV_NO_PRICE;
+    if (context->transit_before != NULL) {
+        const ssv_phase_context_t transit = ssv_transit_context(context, &motion.X_from);
+        ssv_decision_motion(&transit, context->transit_before, &motion);
+        if (!estimate(context, &motion, &before)) return SSV_NO_PRICE;
+    }
+    return price + before;
+}
+
+ssv_decision_t ssv_other_way_up(const ssv_decision_t* transfer) {
+    const quat_t half_turn = {REAL(0), REAL(1), REAL(0), REAL(0)};
+    ssv_decision_t other = *transfer;
+    other.q_IT = quat_mul(transfer->q_IT, half_turn);
+    other.n_S = quat_apply(half_turn, transfer->n_S);
+    other.axis_S = vec3_neg(transfer->axis_S);
+    for (int k = 0; k < SSV_NUM_FREE; k++) {
+        if (ssv_free_number[k].flips) other.free.number[k] = -other.free.number[k];
+    }
+    return other;
 }
