@@ -1,3 +1,4 @@
+// The answer to a question: the path that is chosen, written as legs, events and the thruster timeline.
 #include "ssv/planner.h"
 
 #include "planner/math/assert.h"

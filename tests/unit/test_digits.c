@@ -54,7 +54,7 @@ static void test_a_slow_coast_is_as_long_as_its_drag_says(void) {
     const real_t dv_dt[3] = {REAL(0), real_from_double(b), real_from_double(c)};
     for (int n = 0; n < NUM_OF_EACH; n++) {
         const double fast = pow(10, sample_between(-5, -2)), slow = fast * sample_between(0.2, 0.6);
-        const ssv_moments_t m = ssv_moments_between(law, real_from_double(fast), real_from_double(slow));
+        const ssv_moments_t m = ssv_moments_between(dv_dt, real_from_double(fast), real_from_double(slow));
         const long double expected =
             log1pl((long double)(c * (slow - fast)) / (long double)(b + c * fast)) / (long double)c;
         // A part in ten thousand for the speeds' digits in fixed point, and its last digit.

@@ -33,6 +33,22 @@ static void test_price_beyond_the_largest_number_is_an_overflow_by_either_method
     }
 }
 
+// Every metre costs so much that all directions of the body are beyond the largest number: none is left to seed a
+// search, unless the cheapest stands.
+static void test_a_vehicle_that_no_direction_is_affordable_for_is_an_overflow_too(void) {
+    for (int effort = SSV_EFFORT_QUICK; effort <= SSV_EFFORT_BEST; effort++) {
+        ssv_scenario_t s = scenario_case_study(false);
+        s.method = SSV_METHOD_OPTIMAL;
+        s.effort = (ssv_effort_t)effort;
+        s.vehicle.body.drag_lin_kg_s = REAL(100000);
+        s.vehicle.force_max_N = REAL(0.001);
+        s.weight_time_per_s = s.weight_impulse_per_Ns = REAL(1000);
+        begin(&s);
+        TEST_ASSERT_EQUAL_INT(SSV_NUMERIC_OVERFLOW, ssv_plan(&problem, &work, &plan));
+        TEST_ASSERT_EQUAL_INT(SSV_NUMERIC_OVERFLOW, ssv_quote(&problem, &work, &quote));
+    }
+}
+
 static void test_overflow_leaves_nothing_but_the_status_and_the_question_s_hash(void) {
     const ssv_scenario_t s = too_heavy();
     begin(&s);
@@ -90,6 +106,7 @@ static void test_thrusters_whose_matrix_has_no_inverse_in_fixed_point_are_refuse
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_price_beyond_the_largest_number_is_an_overflow_by_either_method);
+    RUN_TEST(test_a_vehicle_that_no_direction_is_affordable_for_is_an_overflow_too);
     RUN_TEST(test_overflow_leaves_nothing_but_the_status_and_the_question_s_hash);
     RUN_TEST(test_overflow_of_one_question_does_not_taint_the_next);
     RUN_TEST(test_bound_that_does_not_fit_is_the_bound_that_always_holds);

@@ -1,5 +1,6 @@
 #include "planner/search/capability.h"
 
+#include "planner/math/assert.h"
 #include "planner/model/allocation.h"
 #include "planner/motion/maneuver.h"
 #include "planner/motion/path.h"
@@ -132,11 +133,14 @@ void ssv_capability_init(const ssv_question_t* question, ssv_capability_t* capab
             }
         }
     }
+    // Prices too high for the scalar make the answer an overflow. Until that is said, the cheapest direction stands all
+    // the same.
+    const real_t most = real_max(least, real_mul(SSV_DIRECTION_SLACK, least));
     capability->num = capability->num_upright = 0;
     capability->least = least;
     for (int up = 1; up >= 0; up--) {
         for (int k = 0; k < num; k++) {
-            if (price[k] > real_mul(SSV_DIRECTION_SLACK, least) || upright[k] != (up == 1)) continue;
+            if (price[k] > most || upright[k] != (up == 1)) continue;
             improve_direction(question, &n[k], &price[k]);
             capability->n[capability->num] = n[k];
             capability->price[capability->num++] = price[k];
@@ -147,5 +151,6 @@ void ssv_capability_init(const ssv_question_t* question, ssv_capability_t* capab
     ssv_turns_of(question->problem, &alone, &capability->rolled);
     ssv_turns_at(&capability->rolled, vec3(REAL(0), REAL(1), REAL(0)), &capability->turns);
     capability->either_way_up = serves_both_ways_up(question->problem);
-    if (!capability->either_way_up) capability->num_upright = capability->num;
+    if (!capability->either_way_up || capability->num_upright == 0) capability->num_upright = capability->num;
+    SSV_ASSERT(capability->num_upright > 0);
 }
