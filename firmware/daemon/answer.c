@@ -92,6 +92,16 @@ __attribute__((format(printf, 2, 3))) static void reason_add(char* reason, const
     va_end(args);
 }
 
+/// "vehicle.thruster[i].n_T_S" and 2 give "vehicle.thruster[2].n_T_S".
+static void reason_add_field(char* reason, const char* field, int index) {
+    const char* const open = strchr(field, '[');
+    if (open == NULL || index < 0) {
+        reason_add(reason, "%s", field);
+        return;
+    }
+    reason_add(reason, "%.*s[%d%s", (int)(open - field), field, index, strchr(open, ']'));
+}
+
 static void reason_add_overflow(char* reason) {
     reason_add(reason,
                "a number does not fit the planner's arithmetic, " REAL_NAME "; ask a planner that computes in double");
@@ -102,7 +112,7 @@ static void reason_add_fault(char* reason, const ssv_fault_t* fault) {
     const double value = real_to_double(fault->value);
     const double min = real_to_double(fault->min);
     const double max = real_to_double(fault->max);
-    reason_add(reason, "%s", fault->field);
+    reason_add_field(reason, fault->field, fault->index);
     switch (fault->status) {
         case SSV_E_NOT_FINITE:
             // printf would show the sign of a NaN, which means nothing.
@@ -113,7 +123,9 @@ static void reason_add_fault(char* reason, const ssv_fault_t* fault) {
             reason_add(reason, ": length %.9g is not 1 within %.3g", value, real_to_double(SSV_UNIT_TOLERANCE));
             break;
         case SSV_E_SINGULAR: reason_add(reason, ": placed so that they cannot hold every force and moment"); break;
-        case SSV_E_WEIGHTS: reason_add(reason, ": both are zero, one must be positive"); break;
+        case SSV_E_WEIGHTS:
+            reason_add(reason, " and weight_impulse_per_Ns: both are zero, one must be positive");
+            break;
         case SSV_OK:
         case SSV_INFEASIBLE:
         case SSV_NUMERIC_OVERFLOW: break;

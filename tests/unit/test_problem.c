@@ -16,41 +16,42 @@ typedef struct {
     double value;
     ssv_status_t status;
     const char* field;
+    int index;
 } bad_t;
 
 #define AT(member) offsetof(ssv_scenario_t, member)
 
 static const bad_t bad[] = {
-    {AT(vehicle.body.mass_kg), 0, SSV_E_RANGE, "vehicle.body.mass_kg"},
-    {AT(vehicle.body.mass_kg), -1, SSV_E_RANGE, "vehicle.body.mass_kg"},
-    {AT(vehicle.body.mass_kg), (double)NAN, SSV_E_NOT_FINITE, "vehicle.body.mass_kg"},
-    {AT(vehicle.body.mass_kg), (double)INFINITY, SSV_E_NOT_FINITE, "vehicle.body.mass_kg"},
-    {AT(vehicle.body.inertia_kg_m2.y), 0, SSV_E_RANGE, "vehicle.body.inertia_kg_m2"},
-    {AT(vehicle.body.added_mass_kg.z), -1, SSV_E_RANGE, "vehicle.body.added_mass_kg"},
-    {AT(vehicle.body.drag_lin_kg_s), -1, SSV_E_RANGE, "vehicle.body.drag_lin_kg_s"},
-    {AT(vehicle.body.drag_quad_kg_m), 1e6, SSV_E_RANGE, "vehicle.body.drag_quad_kg_m"},
-    {AT(vehicle.body.drag_lin_ang_Nm_s), (double)NAN, SSV_E_NOT_FINITE, "vehicle.body.drag_lin_ang_Nm_s"},
-    {AT(vehicle.body.drag_quad_ang_Nm_s2), -2, SSV_E_RANGE, "vehicle.body.drag_quad_ang_Nm_s2"},
-    {AT(vehicle.radius_m), 0, SSV_E_RANGE, "vehicle.radius_m"},
-    {AT(vehicle.force_max_N), 0, SSV_E_RANGE, "vehicle.force_max_N"},
-    {AT(vehicle.thruster[2].p_ST_m.x), 11, SSV_E_RANGE, "vehicle.thruster[2].p_ST_m"},
-    {AT(vehicle.thruster[3].n_T_S.y), -1.1, SSV_E_NOT_UNIT, "vehicle.thruster[3].n_T_S"},
-    {AT(vehicle.thruster[0].n_T_S.x), 1e200, SSV_E_RANGE, "vehicle.thruster[0].n_T_S"},
-    {AT(beam.body.mass_kg), 0, SSV_E_RANGE, "beam.body.mass_kg"},
-    {AT(beam.body.inertia_kg_m2.z), -1, SSV_E_RANGE, "beam.body.inertia_kg_m2"},
-    {AT(beam.radius_m), -1, SSV_E_RANGE, "beam.radius_m"},
-    {AT(beam.length_m), 0, SSV_E_RANGE, "beam.length_m"},
-    {AT(beam.drag_strip_kg_m2), -1, SSV_E_RANGE, "beam.drag_strip_kg_m2"},
-    {AT(X_IS.p.x), -1001, SSV_E_RANGE, "X_IS.p_m"},
-    {AT(X_IS.q.z), 0, SSV_E_NOT_UNIT, "X_IS.q"}, // the only component: a zero quaternion
-    {AT(X_IS.q.z), 1.002, SSV_E_NOT_UNIT, "X_IS.q"},
-    {AT(X_IB.p.z), (double)INFINITY, SSV_E_NOT_FINITE, "X_IB.p_m"},
-    {AT(X_IB.q.w), (double)NAN, SSV_E_NOT_FINITE, "X_IB.q"},
-    {AT(p_IP_m.y), 2000, SSV_E_RANGE, "port.p_IP_m"},
-    {AT(axis_I.y), 0, SSV_E_NOT_UNIT, "port.axis_I"},
-    {AT(standoff_m), 0, SSV_E_RANGE, "standoff_m"},
-    {AT(weight_time_per_s), -1, SSV_E_RANGE, "weight_time_per_s"},
-    {AT(weight_impulse_per_Ns), -0.1, SSV_E_RANGE, "weight_impulse_per_Ns"},
+    {AT(vehicle.body.mass_kg), 0, SSV_E_RANGE, "vehicle.body.mass_kg", -1},
+    {AT(vehicle.body.mass_kg), -1, SSV_E_RANGE, "vehicle.body.mass_kg", -1},
+    {AT(vehicle.body.mass_kg), (double)NAN, SSV_E_NOT_FINITE, "vehicle.body.mass_kg", -1},
+    {AT(vehicle.body.mass_kg), (double)INFINITY, SSV_E_NOT_FINITE, "vehicle.body.mass_kg", -1},
+    {AT(vehicle.body.inertia_kg_m2.y), 0, SSV_E_RANGE, "vehicle.body.inertia_kg_m2", -1},
+    {AT(vehicle.body.added_mass_kg.z), -1, SSV_E_RANGE, "vehicle.body.added_mass_kg", -1},
+    {AT(vehicle.body.drag_lin_kg_s), -1, SSV_E_RANGE, "vehicle.body.drag_lin_kg_s", -1},
+    {AT(vehicle.body.drag_quad_kg_m), 1e6, SSV_E_RANGE, "vehicle.body.drag_quad_kg_m", -1},
+    {AT(vehicle.body.drag_lin_ang_Nm_s), (double)NAN, SSV_E_NOT_FINITE, "vehicle.body.drag_lin_ang_Nm_s", -1},
+    {AT(vehicle.body.drag_quad_ang_Nm_s2), -2, SSV_E_RANGE, "vehicle.body.drag_quad_ang_Nm_s2", -1},
+    {AT(vehicle.radius_m), 0, SSV_E_RANGE, "vehicle.radius_m", -1},
+    {AT(vehicle.force_max_N), 0, SSV_E_RANGE, "vehicle.force_max_N", -1},
+    {AT(vehicle.thruster[2].p_ST_m.x), 11, SSV_E_RANGE, "vehicle.thruster[i].p_ST_m", 2},
+    {AT(vehicle.thruster[3].n_T_S.y), -1.1, SSV_E_NOT_UNIT, "vehicle.thruster[i].n_T_S", 3},
+    {AT(vehicle.thruster[0].n_T_S.x), 1e200, SSV_E_RANGE, "vehicle.thruster[i].n_T_S", 0},
+    {AT(beam.body.mass_kg), 0, SSV_E_RANGE, "beam.body.mass_kg", -1},
+    {AT(beam.body.inertia_kg_m2.z), -1, SSV_E_RANGE, "beam.body.inertia_kg_m2", -1},
+    {AT(beam.radius_m), -1, SSV_E_RANGE, "beam.radius_m", -1},
+    {AT(beam.length_m), 0, SSV_E_RANGE, "beam.length_m", -1},
+    {AT(beam.drag_strip_kg_m2), -1, SSV_E_RANGE, "beam.drag_strip_kg_m2", -1},
+    {AT(X_IS.p.x), -1001, SSV_E_RANGE, "X_IS.p_m", -1},
+    {AT(X_IS.q.z), 0, SSV_E_NOT_UNIT, "X_IS.q", -1}, // the only component: a zero quaternion
+    {AT(X_IS.q.z), 1.002, SSV_E_NOT_UNIT, "X_IS.q", -1},
+    {AT(X_IB.p.z), (double)INFINITY, SSV_E_NOT_FINITE, "X_IB.p_m", -1},
+    {AT(X_IB.q.w), (double)NAN, SSV_E_NOT_FINITE, "X_IB.q", -1},
+    {AT(p_IP_m.y), 2000, SSV_E_RANGE, "port.p_IP_m", -1},
+    {AT(axis_I.y), 0, SSV_E_NOT_UNIT, "port.axis_I", -1},
+    {AT(standoff_m), 0, SSV_E_RANGE, "standoff_m", -1},
+    {AT(weight_time_per_s), -1, SSV_E_RANGE, "weight_time_per_s", -1},
+    {AT(weight_impulse_per_Ns), -0.1, SSV_E_RANGE, "weight_impulse_per_Ns", -1},
 };
 
 static void test_each_bad_number_is_refused_by_the_name_of_its_field(void) {
@@ -59,6 +60,7 @@ static void test_each_bad_number_is_refused_by_the_name_of_its_field(void) {
         memcpy((char*)&s + bad[k].offset, &bad[k].value, sizeof(double));
         TEST_ASSERT_EQUAL_INT_MESSAGE(bad[k].status, ssv_problem_init(&problem, &s, &fault), bad[k].field);
         TEST_ASSERT_EQUAL_STRING(bad[k].field, fault.field);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(bad[k].index, fault.index, bad[k].field);
         TEST_ASSERT_EQUAL_INT(bad[k].status, fault.status);
     }
 }
@@ -80,14 +82,15 @@ static void test_each_bad_choice_is_refused_by_the_name_of_its_field(void) {
     refuse(&s, SSV_E_RANGE, "options.num_attach_heights");
     s.num_attach_heights = 2;
     s.attach_heights_m[1] = 1.6;
-    refuse(&s, SSV_E_RANGE, "options.attach_heights_m[1]");
+    refuse(&s, SSV_E_RANGE, "options.attach_heights_m[k]");
+    TEST_ASSERT_EQUAL_INT(1, fault.index);
     s = scenario_case_study(true);
     s.ring_angle_given = true;
     s.ring_angle_rad = 7;
     refuse(&s, SSV_E_RANGE, "options.ring_angle_rad");
     s = scenario_case_study(true);
     s.weight_time_per_s = s.weight_impulse_per_Ns = 0;
-    refuse(&s, SSV_E_WEIGHTS, "weight_time_per_s and weight_impulse_per_Ns");
+    refuse(&s, SSV_E_WEIGHTS, "weight_time_per_s");
     s = scenario_case_study(true);
     s.vehicle.thruster[1] = s.vehicle.thruster[0];
     refuse(&s, SSV_E_SINGULAR, "vehicle.thruster");

@@ -1,6 +1,7 @@
 // The walk over the message types: messages through JSON and back, and what is refused on the way, with its path.
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,6 +11,7 @@
 #include "lcm_ssv_scenario_batch_t.h"
 #include "unity.h"
 #include "wire/message.h"
+#include "wire/names.h"
 
 #define SEED UINT64_C(20261128)
 #define NUM_CASES 300
@@ -146,10 +148,11 @@ static void random_scenario(lcm_ssv_scenario_t* scenario) {
 
 /// The text of {"it": message}, which the caller frees.
 static char* text_of(const char* type, const void* message) {
-    json_t* const json = json_pack("{s:o}", "it", wire_to_json(type, message));
-    TEST_ASSERT_NOT_NULL(json);
-    char* const text = json_dumps(json, JSON_REAL_PRECISION(17));
-    json_decref(json);
+    char* text = NULL;
+    size_t size = 0;
+    FILE* const memory = open_memstream(&text, &size);
+    TEST_ASSERT_TRUE(wire_json_write(memory, json_pack("{s:o}", "it", wire_to_json(type, message))));
+    fclose(memory);
     return text;
 }
 
@@ -242,6 +245,7 @@ static const bad_t bad[] = {
     {"", "plan_hsh", "1", "text: it.plan_hsh: unknown key; did you mean plan_hash?"},
     {"", "nothing_like_it", "1", "text: it.nothing_like_it: unknown key"},
     {"", "plan_hash", "\"0123456789ABCDEF\"", "text: it.plan_hash: not a text of 16 hex digits"},
+    {"", "plan_hash", "\"012345678\"", "text: it.plan_hash: not a text of 16 hex digits"},
     {"", "plan_hash", "5", "text: it.plan_hash: not a text of 16 hex digits"},
     {"", "legs", "{}", "text: it.legs: not a list of 1"},
     {"", "legs", "[]", "text: it.legs: 0 entries, there must be exactly 1"},
@@ -304,7 +308,39 @@ static void test_texts_that_are_no_such_json_are_refused(void) {
     }
 }
 
-/// The largest plan there can be.
+static void test_each_word_is_that_of_its_constant(void) {
+    const struct {
+        const names_t* names;
+        int8_t value;
+        const char* word;
+    } words[] = {
+        {&names_status, LCM_SSV_QUOTE_T_STATUS_OK, "ok"},
+        {&names_status, LCM_SSV_QUOTE_T_STATUS_INFEASIBLE, "infeasible"},
+        {&names_status, LCM_SSV_QUOTE_T_STATUS_INVALID, "invalid"},
+        {&names_status, LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW, "numeric_overflow"},
+        {&names_phase, LCM_SSV_LEG_T_PHASE_TRANSIT, "transit"},
+        {&names_phase, LCM_SSV_LEG_T_PHASE_TRANSFER, "transfer"},
+        {&names_kind, LCM_SSV_LEG_T_KIND_TRANSLATE, "translate"},
+        {&names_kind, LCM_SSV_LEG_T_KIND_TURN, "turn"},
+        {&names_kind, LCM_SSV_LEG_T_KIND_SCREW, "screw"},
+        {&names_ramp, LCM_SSV_LEG_T_RAMP_FULL_REVERSE, "full_reverse"},
+        {&names_ramp, LCM_SSV_LEG_T_RAMP_DRAG_ONLY, "drag_only"},
+        {&names_ramp, LCM_SSV_LEG_T_RAMP_OPTIMAL, "optimal"},
+        {&names_event, LCM_SSV_EVENT_T_KIND_MATE, "mate"},
+        {&names_event, LCM_SSV_EVENT_T_KIND_DOCK, "dock"},
+        {&names_method, LCM_SSV_OPTIONS_T_METHOD_OPTIMAL, "optimal"},
+        {&names_method, LCM_SSV_OPTIONS_T_METHOD_PAPER, "paper"},
+        {&names_effort, LCM_SSV_OPTIONS_T_EFFORT_QUICK, "quick"},
+        {&names_effort, LCM_SSV_OPTIONS_T_EFFORT_BEST, "best"},
+    };
+    for (size_t k = 0; k < sizeof words / sizeof words[0]; k++) {
+        TEST_ASSERT_EQUAL_STRING(words[k].word, name_of(words[k].names, words[k].value));
+        TEST_ASSERT_EQUAL_INT(words[k].value, name_find(words[k].names, words[k].word));
+    }
+    TEST_ASSERT_EQUAL_STRING("unknown", name_of(&names_status, 4));
+    TEST_ASSERT_EQUAL_INT(-1, name_find(&names_phase, "rest"));
+}
+
 static void test_a_plan_at_its_limits_passes_and_one_beyond_any_of_them_does_not(void) {
     static uint8_t bytes[1 << 16];
     static const struct {
@@ -388,6 +424,7 @@ int main(void) {
     RUN_TEST(test_a_number_that_is_not_finite_is_no_json);
     RUN_TEST(test_each_kind_of_fault_is_refused_with_its_path_and_leaves_nothing_behind);
     RUN_TEST(test_texts_that_are_no_such_json_are_refused);
+    RUN_TEST(test_each_word_is_that_of_its_constant);
     RUN_TEST(test_a_plan_at_its_limits_passes_and_one_beyond_any_of_them_does_not);
     RUN_TEST(test_a_list_may_be_as_long_as_its_limit_and_no_longer);
     RUN_TEST(test_a_string_must_end_where_it_says);

@@ -103,7 +103,8 @@ typedef struct {
 /// What is wrong with a scenario, where.
 typedef struct {
     ssv_status_t status;
-    const char* field; ///< path of the field in scenario_t, e.g. "vehicle.thruster[2].n_T_S"; static storage
+    const char* field; ///< path of the field in scenario_t, e.g. "vehicle.thruster[i].n_T_S"; static storage
+    int index;         ///< which element where the path has brackets, else -1
     real_t value;      ///< the offending number (for SSV_E_NOT_UNIT the length)
     real_t min, max;   ///< what would be accepted (SSV_E_RANGE, SSV_E_NOT_UNIT)
 } ssv_fault_t;

@@ -17,21 +17,23 @@ static uint64_t hash_int(uint64_t hash, int value) { return hash_u64(hash, (uint
 
 static uint64_t hash_real(uint64_t hash, real_t value) { return hash_u64(hash, real_bits(value)); }
 
-static uint64_t hash_vec3(uint64_t hash, vec3_t value) {
-    return hash_real(hash_real(hash_real(hash, value.x), value.y), value.z);
+static uint64_t hash_vec3(uint64_t hash, const vec3_t* value) {
+    return hash_real(hash_real(hash_real(hash, value->x), value->y), value->z);
 }
 
-static uint64_t hash_quat(uint64_t hash, quat_t value) {
-    return hash_vec3(hash_real(hash, value.w), vec3(value.x, value.y, value.z));
+static uint64_t hash_quat(uint64_t hash, const quat_t* value) {
+    return hash_real(hash_real(hash_real(hash_real(hash, value->w), value->x), value->y), value->z);
 }
 
-static uint64_t hash_pose(uint64_t hash, pose_t value) { return hash_quat(hash_vec3(hash, value.p), value.q); }
+static uint64_t hash_pose(uint64_t hash, const pose_t* value) {
+    return hash_quat(hash_vec3(hash, &value->p), &value->q);
+}
 
 // What a field counts for, by its kind.
 #define HASH_REAL(value) hash_real(hash, value)
-#define HASH_VEC3(value) hash_vec3(hash, value)
-#define HASH_UNIT(value) hash_vec3(hash, value)
-#define HASH_QUAT(value) hash_quat(hash, value)
+#define HASH_VEC3(value) hash_vec3(hash, &(value))
+#define HASH_UNIT(value) hash_vec3(hash, &(value))
+#define HASH_QUAT(value) hash_quat(hash, &(value))
 #define HASH_INT(value) hash_int(hash, (int)(value))
 #define HASH_BOOL(value) hash_int(hash, (value) ? 1 : 0)
 #define HASH_ENUM(type) HASH_INT
@@ -39,9 +41,28 @@ static uint64_t hash_pose(uint64_t hash, pose_t value) { return hash_quat(hash_v
 #define HASH_RING(value) hash_real(hash, scenario->ring_angle_given ? (value) : REAL(0))
 #define HASH_FIELD(kind, core, wire, min, max, unit, text) hash = HASH_##kind(scenario->core);
 
+// Of a body that stands by itself.
+#define HASH_BODY_FIELD(kind, core, wire, min, max, unit, text) hash = HASH_##kind(core);
+
+static uint64_t hash_body(uint64_t hash, const ssv_body_t* body) {
+    SSV_BODY_FIELDS(HASH_BODY_FIELD, (*body))
+    return hash;
+}
+
 uint64_t ssv_scenario_hash(const ssv_scenario_t* scenario) {
-    uint64_t hash = FNV_START;
-    SSV_FIELDS(HASH_FIELD)
+    uint64_t hash = hash_body(FNV_START, &scenario->vehicle.body);
+    SSV_VEHICLE_FIELDS(HASH_FIELD)
+    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+        SSV_THRUSTER_FIELDS(HASH_FIELD, i)
+    }
+    hash = hash_body(hash, &scenario->beam.body);
+    SSV_BEAM_FIELDS(HASH_FIELD)
+    SSV_TASK_FIELDS(HASH_FIELD)
+    SSV_METHOD_FIELDS(HASH_FIELD)
+    for (int k = 0; k < SSV_MAX_ATTACH_HEIGHTS; k++) {
+        SSV_HEIGHT_FIELDS(HASH_FIELD, k)
+    }
+    SSV_OPTION_FIELDS(HASH_FIELD)
     return hash;
 }
 
@@ -64,10 +85,10 @@ static uint64_t hash_leg(uint64_t hash, const ssv_leg_t* leg) {
     hash = hash_real(hash, leg->impulse_Ns);
     hash = hash_real(hash, leg->length);
     hash = hash_real(hash, leg->peak_speed);
-    hash = hash_vec3(hash, leg->v_S);
-    hash = hash_vec3(hash, leg->w_S);
-    hash = hash_pose(hash, leg->X_IS_start);
-    hash = hash_pose(hash, leg->X_IS_end);
+    hash = hash_vec3(hash, &leg->v_S);
+    hash = hash_vec3(hash, &leg->w_S);
+    hash = hash_pose(hash, &leg->X_IS_start);
+    hash = hash_pose(hash, &leg->X_IS_end);
     hash = hash_int(hash, leg->first_arc);
     return hash_int(hash, leg->num_arcs);
 }
@@ -78,7 +99,8 @@ static uint64_t hash_arc(uint64_t hash, const ssv_arc_t* arc) {
     hash = hash_real(hash, arc->s);
     hash = hash_real(hash, arc->v_start);
     hash = hash_real(hash, arc->v_end);
-    return hash_vec3(hash, vec3(arc->dv_dt[0], arc->dv_dt[1], arc->dv_dt[2]));
+    for (int i = 0; i < 3; i++) hash = hash_real(hash, arc->dv_dt[i]);
+    return hash;
 }
 
 static uint64_t hash_segment(uint64_t hash, const ssv_segment_t* segment) {
@@ -110,7 +132,7 @@ uint64_t ssv_plan_hash(const ssv_plan_t* plan) {
     for (int k = 0; k < plan->num_events; k++) {
         hash = hash_int(hash_real(hash, plan->event[k].t_s), (int)plan->event[k].kind);
     }
-    hash = hash_pose(hash, plan->X_SB);
-    hash = hash_pose(hash, plan->X_IS_final);
-    return hash_pose(hash, plan->X_IB_final);
+    hash = hash_pose(hash, &plan->X_SB);
+    hash = hash_pose(hash, &plan->X_IS_final);
+    return hash_pose(hash, &plan->X_IB_final);
 }

@@ -7,11 +7,12 @@ const char ssv_scalar[] = REAL_NAME;
 // Every check stops at the first fault; the caller's fault is written there.
 typedef struct {
     ssv_fault_t* fault;
+    int index; // of what is being checked, -1 where there is only one
     bool ok;
 } checker_t;
 
 static void fail(checker_t* checker, ssv_status_t status, const char* field, real_t value, real_t min, real_t max) {
-    *checker->fault = (ssv_fault_t){status, field, value, min, max};
+    *checker->fault = (ssv_fault_t){status, field, checker->index, value, min, max};
     checker->ok = false;
 }
 
@@ -66,15 +67,47 @@ static quat_t check_quat(checker_t* checker, const char* field, quat_t q, real_t
     if (s->ring_angle_given) CHECK_REAL(field, value, min, max)
 #define CHECK_FIELD(kind, core, wire, min, max, unit, text) CHECK_##kind(#wire, s->core, min, max)
 
+// Of a body that stands by itself, its paths in order.
+#define CHECK_BODY_FIELD(kind, core, wire, min, max, unit, text) CHECK_##kind(*path++, core, min, max)
+#define PATH(kind, core, wire, min, max, unit, text) #wire,
+
+static void check_body(checker_t* checker, const char* const* path, const ssv_body_t* body) {
+    SSV_BODY_FIELDS(CHECK_BODY_FIELD, (*body))
+}
+
+static void check_vehicle(checker_t* checker, ssv_scenario_t* s) {
+    static const char* const path[] = {SSV_BODY_FIELDS(PATH, vehicle.body)};
+    check_body(checker, path, &s->vehicle.body);
+    SSV_VEHICLE_FIELDS(CHECK_FIELD)
+    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+        checker->index = i;
+        SSV_THRUSTER_FIELDS(CHECK_FIELD, i)
+    }
+    checker->index = -1;
+}
+
+static void check_beam(checker_t* checker, ssv_scenario_t* s) {
+    static const char* const path[] = {SSV_BODY_FIELDS(PATH, beam.body)};
+    check_body(checker, path, &s->beam.body);
+    SSV_BEAM_FIELDS(CHECK_FIELD)
+}
+
 static void check_task(checker_t* checker, ssv_scenario_t* s) {
     SSV_TASK_FIELDS(CHECK_FIELD)
     if (checker->ok && !(s->weight_time_per_s > REAL(0)) && !(s->weight_impulse_per_Ns > REAL(0))) {
-        fail(checker, SSV_E_WEIGHTS, "weight_time_per_s and weight_impulse_per_Ns", REAL(0), REAL(0), REAL(1000));
+        fail(checker, SSV_E_WEIGHTS, "weight_time_per_s", REAL(0), REAL(0), REAL(1000));
     }
 }
 
 static void check_options(checker_t* checker, ssv_scenario_t* s) {
     const real_t half = real_mul(REAL(0.5), s->beam.length_m);
+    SSV_METHOD_FIELDS(CHECK_FIELD)
+    if (!checker->ok) return;
+    for (int k = 0; k < SSV_MAX_ATTACH_HEIGHTS; k++) {
+        checker->index = k;
+        SSV_HEIGHT_FIELDS(CHECK_FIELD, k)
+    }
+    checker->index = -1;
     SSV_OPTION_FIELDS(CHECK_FIELD)
     if (checker->ok && s->num_attach_heights == 0) {
         s->num_attach_heights = 3;
@@ -87,7 +120,9 @@ static void check_options(checker_t* checker, ssv_scenario_t* s) {
 ssv_status_t ssv_problem_init(ssv_problem_t* problem, const ssv_scenario_t* scenario, ssv_fault_t* fault) {
     ssv_scenario_t s = *scenario;
     ssv_allocation_t allocation;
-    checker_t checker = {fault, true};
+    checker_t checker = {fault, -1, true};
+    check_vehicle(&checker, &s);
+    check_beam(&checker, &s);
     check_task(&checker, &s);
     check_options(&checker, &s);
     // An inverse that overflows is too large in any case.
