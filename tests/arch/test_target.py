@@ -54,7 +54,7 @@ class Image:
         text, data, bss = target.sections(self.archive)
         sizes = target.symbols(self.file)
         found = {("planner", "text_bytes"): text,
-                 ("planner", "static_ram_bytes"): data + bss + sizes["problem"] + sizes["plan"]}
+                 ("planner", "static_ram_bytes"): data + bss + sizes["problem"] + sizes["work"] + sizes["plan"]}
         for name, (depth, _) in self.stacks.items():
             found[name, "stack_bytes"] = depth
         for (name, method), row in self.plans.items():

@@ -82,8 +82,11 @@ static bool costs_at_least(const ssv_question_t* question, const ssv_grasp_t* gr
            estimate[0] + estimate[1] >= real_mul(SSV_ESTIMATE_MARGIN, price);
 }
 
-ssv_paper_search_t ssv_paper_search_begin(const ssv_question_t* question, const ssv_price_t* to_beat) {
-    return (ssv_paper_search_t){.question = question, .to_beat = *to_beat};
+void ssv_paper_search_begin(ssv_paper_search_t* search, const ssv_question_t* question, const ssv_price_t* to_beat) {
+    search->question = question;
+    search->to_beat = *to_beat;
+    search->transit.num_maneuvers = 0;
+    search->num_priced = 0;
 }
 
 // The cheapest transit to a grasp, into search->transit.

@@ -17,7 +17,7 @@ typedef struct {
 } ssv_paper_search_t;
 
 /// Begins a search that leaves out what cannot beat this price.
-ssv_paper_search_t ssv_paper_search_begin(const ssv_question_t* question, const ssv_price_t* to_beat);
+void ssv_paper_search_begin(ssv_paper_search_t* search, const ssv_question_t* question, const ssv_price_t* to_beat);
 
 /// The cheapest path of a candidate. @return false if all of it was left out; then *path is not meaningful.
 bool ssv_paper_search(ssv_paper_search_t* search, int contact, real_t height_m, ssv_path_t* path);

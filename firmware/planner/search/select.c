@@ -40,7 +40,8 @@ static void enter_candidates(const ssv_scenario_t* scenario, ssv_quote_t* quote)
 
 // The paper's path of each candidate that may be cheaper than what is known.
 static void search_paper(const ssv_question_t* question, ssv_quote_t* quote, ssv_path_t* best) {
-    ssv_paper_search_t search = ssv_paper_search_begin(question, &best->price);
+    ssv_paper_search_t search;
+    ssv_paper_search_begin(&search, question, &best->price);
     ssv_path_t path;
     for (int k = 0; k < quote->num_candidates; k++) {
         ssv_candidate_t* candidate = &quote->candidate[k];
@@ -187,7 +188,8 @@ bool ssv_choose_next(const ssv_question_t* question, ssv_outcome_t outcome, ssv_
     if (k < 0) return false;
     const ssv_candidate_t* candidate = &quote->candidate[k];
     const ssv_price_t nothing = {.outcome = SSV_TOO_LONG};
-    ssv_paper_search_t search = ssv_paper_search_begin(question, &nothing);
+    ssv_paper_search_t search;
+    ssv_paper_search_begin(&search, question, &nothing);
     (void)ssv_paper_search(&search, candidate->contact, candidate->attach_height_m, path);
     quote->num_priced += search.num_priced;
     return true;
