@@ -155,8 +155,9 @@ static bool lay_out(layout_t* layout, const tree_t* from, const move_t* moves, i
 
 /// A text for a file's name, kept as long as the trees that name it.
 static const char* keep_text(layout_t* layout, const char* text) {
-    char* const kept = tree_memory_take(layout->memory, strlen(text) + 1);
-    return kept == NULL ? NULL : strcpy(kept, text);
+    const size_t size = strlen(text) + 1;
+    char* const kept = tree_memory_take(layout->memory, size);
+    return kept == NULL ? NULL : memcpy(kept, text, size);
 }
 
 /// What a text holds that stands in a file, "-" being standard input.

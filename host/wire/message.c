@@ -379,7 +379,7 @@ bool wire_json_read(const char* file, const char* text, size_t size, const wire_
         if (sound && part == NULL) {
             sound = tree_fail_key(&error, root, NULL, parts[i].key, "this key is missing");
         }
-        sound = sound && wire_from_tree(parts[i].type, part, parts[i].message, &error);
+        sound = sound && part != NULL && wire_from_tree(parts[i].type, part, parts[i].message, &error);
     }
     for (int i = 0; i < count && !sound; i++) {
         wire_clear(parts[i].type, parts[i].message);

@@ -107,13 +107,13 @@ static bool fill_scalar(reader_t* reader, tree_t* value, struct fy_event* event)
     if (value->text == NULL) {
         return false;
     }
-    if (token != NULL && fy_token_scalar_style(token) != FYSS_PLAIN) {
-        value->kind = TREE_TEXT;
-    } else if (is_one_of(value->text, "true", "True", "TRUE") || is_one_of(value->text, "false", "False", "FALSE")) {
+    const bool quoted = token != NULL && fy_token_scalar_style(token) != FYSS_PLAIN;
+    if (!quoted &&
+        (is_one_of(value->text, "true", "True", "TRUE") || is_one_of(value->text, "false", "False", "FALSE"))) {
         value->kind = TREE_BOOLEAN;
         value->boolean = *value->text == 't' || *value->text == 'T';
-    } else if (!number(value->text, value) && !is_one_of(value->text, "null", "Null", "NULL") &&
-               !is_one_of(value->text, "", "~", "~")) {
+    } else if (quoted || (!number(value->text, value) && !is_one_of(value->text, "null", "Null", "NULL") &&
+                          !is_one_of(value->text, "", "~", "~"))) {
         value->kind = TREE_TEXT;
     }
     return true;

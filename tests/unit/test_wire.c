@@ -363,9 +363,9 @@ static void test_a_plan_at_its_limits_passes_and_one_beyond_any_of_them_does_not
     for (size_t k = 0; k < sizeof counts / sizeof counts[0]; k++) {
         uint8_t kept[4];
         memcpy(kept, &bytes[counts[k].at], 4);
-        memcpy(&bytes[counts[k].at], "\x7f\xff\xff\xff", 4);
+        memcpy(&bytes[counts[k].at], (const uint8_t[]){0x7f, 0xff, 0xff, 0xff}, 4);
         TEST_ASSERT_FALSE_MESSAGE(wire_is_message("plan_t", bytes, size), counts[k].what);
-        memcpy(&bytes[counts[k].at], "\xff\xff\xff\xff", 4);
+        memset(&bytes[counts[k].at], 0xff, 4);
         TEST_ASSERT_FALSE_MESSAGE(wire_is_message("plan_t", bytes, size), counts[k].what);
         memcpy(&bytes[counts[k].at], kept, 4);
     }
