@@ -83,7 +83,7 @@ class Planner:
 
 def ask(bin_dir, scenario, method, weights):
     """The plan, as the planner gave it over LCM."""
-    command = [bin_dir / "ssv", "plan", "/dev/stdin", "--lcm", "--format", "json", *method, "--weights", weights]
+    command = [bin_dir / "ssv", "plan", "-", "--lcm", "--format", "json", *method, "--weights", weights]
     done = subprocess.run(command, input=scenario, capture_output=True, text=True, preexec_fn=end_with_demo)
     if done.returncode != 0:
         raise Failed(f"No plan by method {method[1]} with weights {weights}.\n{done.stderr}")
@@ -116,29 +116,29 @@ def rotation(q_start, q_end):
 
 
 def pair_centre(scenario, p_vehicle, p_beam):
-    m_vehicle, m_beam = scenario["vehicle"]["mass_kg"], scenario["beam"]["mass_kg"]
+    m_vehicle, m_beam = scenario["vehicle"]["body"]["mass_kg"], scenario["beam"]["body"]["mass_kg"]
     return [(m_vehicle * a + m_beam * b) / (m_vehicle + m_beam) for a, b in zip(p_vehicle, p_beam)]
 
 
 def peak_thrust(plan, leg, thrusters):
     """Largest sum of absolute thrusts [N] of these thrusters during a leg."""
-    segments = [s for s in plan["timeline"]["segments"] if s["leg"] == leg]
+    segments = [s for s in plan["segments"] if s["leg"] == leg]
     return max(sum(abs(s[end][i]) for i in thrusters) for s in segments for end in ("u_start_N", "u_end_N"))
 
 
-def our_values(plan):
+def our_values(answer):
     """Our number for each (table, row) of the paper; rows that have none of ours are left out."""
+    scenario, plan = answer["scenario"], answer["plan"]
     fly, turn, pair_turn, pair_fly = plan["legs"]
     # In both flights body x lies along x_I and body y along y_I, so these thrusters push along them.
     along_x, along_y, every = (0, 1), (2, 3), range(6)
-    scenario, final = plan["scenario"], plan["final"]
-    start = pair_centre(scenario, pair_turn["pose_start"]["p_IS_m"], scenario["X_IB"]["p_IB_m"])
-    end = pair_centre(scenario, final["vehicle"]["p_IS_m"], final["beam"]["p_IB_m"])
-    turn_angle, turn_axis = rotation(turn["pose_start"]["q_IS"], turn["pose_end"]["q_IS"])
-    pair_angle, pair_axis = rotation(pair_turn["pose_start"]["q_IS"], pair_turn["pose_end"]["q_IS"])
+    start = pair_centre(scenario, pair_turn["X_IS_start"]["p_m"], scenario["X_IB"]["p_m"])
+    end = pair_centre(scenario, plan["X_IS_final"]["p_m"], plan["X_IB_final"]["p_m"])
+    turn_angle, turn_axis = rotation(turn["X_IS_start"]["q"], turn["X_IS_end"]["q"])
+    pair_angle, pair_axis = rotation(pair_turn["X_IS_start"]["q"], pair_turn["X_IS_end"]["q"])
     return {
-        ("5", "translation to beam, x"): fly["pose_end"]["p_IS_m"][0],
-        ("5", "translation to beam, y"): fly["pose_end"]["p_IS_m"][1],
+        ("5", "translation to beam, x"): fly["X_IS_end"]["p_m"][0],
+        ("5", "translation to beam, y"): fly["X_IS_end"]["p_m"][1],
         ("5", "rotation to beam, angle"): turn_angle,
         ("5", "rotation to beam, axis z"): turn_axis[2],
         ("5", "time of translation, x"): fly["duration_s"],
@@ -165,8 +165,8 @@ def our_values(plan):
         ("7", "fuel of rotation, pair"): pair_turn["impulse_Ns"],
         ("7", "time of translation, pair"): pair_fly["duration_s"],
         ("7", "fuel of translation, pair"): pair_fly["impulse_Ns"],
-        ("7", "total time"): plan["cost"]["time_s"],
-        ("7", "total fuel"): plan["cost"]["impulse_Ns"],
+        ("7", "total time"): plan["quote"]["time_s"],
+        ("7", "total fuel"): plan["quote"]["impulse_Ns"],
     }
 
 
@@ -227,7 +227,7 @@ def print_winners(plans, paper_rows):
     ):
         rows = [row for row in paper_rows if (row["table"], row["row"]) == ("7", row_name)]
         of_paper = {row["attachment"]: float(row["paper_value"]) for row in rows}
-        of_ours = {a: plans[weights][a]["cost"][key] for a in ATTACHMENTS}
+        of_ours = {a: plans[weights][a]["plan"]["quote"][key] for a in ATTACHMENTS}
         best = [min(values, key=values.get) for values in (of_paper, of_ours)]
         cells = [f"{a} ({values[a]:.1f} {unit})" for a, values in zip(best, (of_paper, of_ours))]
         print(f"{goal:30}{cells[0]:30}{cells[1]}")
@@ -242,18 +242,19 @@ def print_gain(paper, optimal):
         ("fuel alone (weights 0, 1)", FUEL),
         ("both (weights 1, 1)", BOTH),
     ):
-        before, after = paper[weights]["cost"], optimal[weights]["cost"]
-        saving = f"{100 * (1 - after['J'] / before['J']):.2f} %"
-        print(f"{goal:30}{before['J']:12.2f}{after['J']:12.2f}{saving:>10}{after['J_lower_bound']:16.2f}")
+        before, after = (plans[weights]["plan"]["quote"] for plans in (paper, optimal))
+        saving = f"{100 * (1 - after['cost'] / before['cost']):.2f} %"
+        print(f"{goal:30}{before['cost']:12.2f}{after['cost']:12.2f}{saving:>10}{after['cost_lower_bound']:16.2f}")
 
 
 def print_effort(what, plans, log):
     """What the planner's log says about the plans: size on the wire and time to plan."""
     sizes, times_ms = [], []
     for plan in plans:
-        line = re.search(rf"scenario {plan['request_id']}: ok,.* (\d+) bytes, planned in ([\d.]+) ms", log)
+        request_id = plan["plan"]["quote"]["request_id"]
+        line = re.search(rf"scenario {request_id}: ok,.* (\d+) bytes, planned in ([\d.]+) ms", log)
         if line is None:
-            raise Failed(f"The planner's log does not tell of request {plan['request_id']}.")
+            raise Failed(f"The planner's log does not tell of request {request_id}.")
         sizes.append(int(line[1]))
         times_ms.append(float(line[2]))
     print(f"{len(plans)} plans {what} received over LCM: {min(sizes)} to {max(sizes)} bytes each, "

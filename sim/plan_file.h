@@ -1,8 +1,8 @@
 /// Reads a plan as `ssv plan --format json` writes it, and checks every number before anything flies on it.
 ///
-/// A plan file stands by itself: it carries the question (`scenario`), the choice, what the planner claims (`cost`) and
-/// the thrusts (`timeline`). Only those are read; the poses that the planner claims to reach are not, as the task
-/// decides.
+/// A plan file stands by itself: it carries the question (`scenario`) and the answer (`plan`), as the messages have
+/// them. Of the answer the choice, the time and impulse that it claims and the thrusts are used; the poses that it
+/// claims to reach are not, as the task decides.
 #ifndef SIM_PLAN_FILE_H
 #define SIM_PLAN_FILE_H
 

@@ -5,59 +5,31 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "planner/model/fields.def"
+
 static vec3_t vec3_from_wire(const double v[3]) {
     return vec3(real_from_double(v[0]), real_from_double(v[1]), real_from_double(v[2]));
 }
 
-static pose_t pose_from_wire(const lcm_ssv_pose_t* wire) {
-    const pose_t pose = {vec3_from_wire(wire->p_m),
-                         {real_from_double(wire->q[0]), real_from_double(wire->q[1]), real_from_double(wire->q[2]),
-                          real_from_double(wire->q[3])}};
-    return pose;
+static quat_t quat_from_wire(const double q[4]) {
+    const quat_t quat = {real_from_double(q[0]), real_from_double(q[1]), real_from_double(q[2]),
+                         real_from_double(q[3])};
+    return quat;
 }
 
-static ssv_body_t body_from_wire(const lcm_ssv_body_t* wire) {
-    const ssv_body_t body = {.mass_kg = real_from_double(wire->mass_kg),
-                             .inertia_kg_m2 = vec3_from_wire(wire->inertia_kg_m2),
-                             .added_mass_kg = vec3_from_wire(wire->added_mass_kg),
-                             .drag_lin_kg_s = real_from_double(wire->drag_lin_kg_s),
-                             .drag_quad_kg_m = real_from_double(wire->drag_quad_kg_m),
-                             .drag_lin_ang_Nm_s = real_from_double(wire->drag_lin_ang_Nm_s),
-                             .drag_quad_ang_Nm_s2 = real_from_double(wire->drag_quad_ang_Nm_s2)};
-    return body;
-}
+// How a field comes in, by its kind.
+#define FROM_REAL(value) real_from_double(value)
+#define FROM_VEC3(value) vec3_from_wire(value)
+#define FROM_UNIT(value) vec3_from_wire(value)
+#define FROM_QUAT(value) quat_from_wire(value)
+#define FROM_INT(value) (value)
+#define FROM_BOOL(value) ((value) != 0)
+#define FROM_ENUM(type) (type)
+#define FROM_HEIGHT(k) real_from_double
+#define FROM_RING(value) real_from_double(value)
+#define FROM_FIELD(kind, core, wire, min, max, unit, text) scenario->core = FROM_##kind(message->wire);
 
-void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* wire) {
-    scenario->vehicle.body = body_from_wire(&wire->vehicle.body);
-    scenario->vehicle.radius_m = real_from_double(wire->vehicle.radius_m);
-    scenario->vehicle.force_max_N = real_from_double(wire->vehicle.force_max_N);
-    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-        scenario->vehicle.thruster[i].p_ST_m = vec3_from_wire(wire->vehicle.thruster[i].p_ST_m);
-        scenario->vehicle.thruster[i].n_T_S = vec3_from_wire(wire->vehicle.thruster[i].n_T_S);
-    }
-    scenario->beam.body = body_from_wire(&wire->beam.body);
-    scenario->beam.radius_m = real_from_double(wire->beam.radius_m);
-    scenario->beam.length_m = real_from_double(wire->beam.length_m);
-    scenario->beam.drag_strip_kg_m2 = real_from_double(wire->beam.drag_strip_kg_m2);
-    scenario->X_IS = pose_from_wire(&wire->X_IS);
-    scenario->X_IB = pose_from_wire(&wire->X_IB);
-    scenario->p_IP_m = vec3_from_wire(wire->port.p_IP_m);
-    scenario->axis_I = vec3_from_wire(wire->port.axis_I);
-    scenario->contact = wire->contact;
-    scenario->standoff_m = real_from_double(wire->standoff_m);
-    scenario->weight_time_per_s = real_from_double(wire->weight_time_per_s);
-    scenario->weight_impulse_per_Ns = real_from_double(wire->weight_impulse_per_Ns);
-    scenario->method = (ssv_method_t)wire->options.method;
-    scenario->effort = (ssv_effort_t)wire->options.effort;
-    scenario->num_attach_heights = wire->options.num_attach_heights;
-    for (int i = 0; i < SSV_MAX_ATTACH_HEIGHTS; i++) {
-        scenario->attach_heights_m[i] = real_from_double(wire->options.attach_heights_m[i]);
-    }
-    scenario->attach_anywhere = wire->options.attach_anywhere != 0;
-    scenario->want_candidates = wire->options.want_candidates != 0;
-    scenario->ring_angle_given = wire->options.ring_angle_given != 0;
-    scenario->ring_angle_rad = real_from_double(wire->options.ring_angle_rad);
-}
+void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* message) { SSV_FIELDS(FROM_FIELD) }
 
 static void vec3_to_wire(double wire[3], vec3_t v) {
     wire[0] = real_to_double(v.x);
@@ -120,14 +92,14 @@ __attribute__((format(printf, 2, 3))) static void reason_add(char* reason, const
     va_end(args);
 }
 
-/// "vehicle.thrusters[].n_T_S" and 2 give "vehicle.thrusters[2].n_T_S".
+/// "vehicle.thruster[i].n_T_S" and 2 give "vehicle.thruster[2].n_T_S".
 static void reason_add_field(char* reason, const char* field, int index) {
-    const char* bracket = strchr(field, ']');
-    if (bracket == NULL || index < 0) {
+    const char* const open = strchr(field, '[');
+    if (open == NULL || index < 0) {
         reason_add(reason, "%s", field);
         return;
     }
-    reason_add(reason, "%.*s%d%s", (int)(bracket - field), field, index, bracket);
+    reason_add(reason, "%.*s[%d%s", (int)(open - field), field, index, strchr(open, ']'));
 }
 
 static void reason_add_overflow(char* reason) {
@@ -151,7 +123,9 @@ static void reason_add_fault(char* reason, const ssv_fault_t* fault) {
             reason_add(reason, ": length %.9g is not 1 within %.3g", value, real_to_double(SSV_UNIT_TOLERANCE));
             break;
         case SSV_E_SINGULAR: reason_add(reason, ": placed so that they cannot hold every force and moment"); break;
-        case SSV_E_WEIGHTS: reason_add(reason, ": both are zero, one must be positive"); break;
+        case SSV_E_WEIGHTS:
+            reason_add(reason, " and weight_impulse_per_Ns: both are zero, one must be positive");
+            break;
         case SSV_OK:
         case SSV_INFEASIBLE:
         case SSV_NUMERIC_OVERFLOW: break;

@@ -14,15 +14,10 @@
 
 #include <lcm/lcm.h>
 
+#include "channels.h"
 #include "lcm_ssv_planner_status_t.h"
 #include "log.h"
 #include "ssv/answer.h"
-
-#define CHANNEL_SCENARIO "SSV_SCENARIO"
-#define CHANNEL_PLAN "SSV_PLAN"
-#define CHANNEL_BATCH "SSV_SCENARIO_BATCH"
-#define CHANNEL_QUOTES "SSV_QUOTE_BATCH"
-#define CHANNEL_STATUS "SSV_PLANNER_STATUS"
 
 #define STATUS_PERIOD_US INT64_C(1000000)
 /// Answers kept for repeated request ids.
@@ -481,8 +476,9 @@ int main(int argc, char** argv) {
     }
     self.started_us = now_us();
     self.next_status_us = self.started_us;
-    self.status.version = (char[]){SSV_VERSION};
-    self.status.scalar = (char[]){REAL_NAME};
+    static char version[] = SSV_VERSION, scalar[] = REAL_NAME; // as long as the status that names them
+    self.status.version = version;
+    self.status.scalar = scalar;
     self.status.scenario_type_hash = __lcm_ssv_scenario_t_get_hash();
     self.status.plan_type_hash = __lcm_ssv_plan_t_get_hash();
     self.status.scenario_batch_type_hash = __lcm_ssv_scenario_batch_t_get_hash();

@@ -1,33 +1,43 @@
+// The answer to a question: the path that is chosen, written as legs, events and the thruster timeline.
 #include "ssv/planner.h"
 
+#include "planner/math/assert.h"
+#include "planner/model/body.h"
+#include "planner/motion/maneuver.h"
+#include "planner/motion/path.h"
+#include "planner/motion/question.h"
+#include "planner/profile/limits.h"
+#include "planner/profile/profile.h"
 #include "planner/search/select.h"
 #include "planner/segments.h"
+#include "ssv/vec3.h"
 
-// Solves the move once more and writes its leg and pieces.
-static ssv_outcome_t add_leg(const ssv_question_t* question, const ssv_assembly_t* assembly, const ssv_move_t* move,
-                             pose_t X_IS, ssv_plan_t* plan) {
+// Solves the maneuver once more and writes its leg and arcs.
+static ssv_outcome_t add_leg(const ssv_question_t* question, const ssv_assembly_t* assembly,
+                             const ssv_maneuver_t* maneuver, pose_t X_IS, ssv_plan_t* plan) {
     ssv_thrusts_t thrusts;
     ssv_profile_t profile;
     ssv_ramp_t ramp;
-    ssv_move_thrusts(question->problem, assembly, move->twist, &thrusts);
-    const ssv_price_t price = ssv_move_solve(question, move, &thrusts, &profile, &ramp);
+    ssv_maneuver_thrusts(question->problem, assembly, maneuver->twist, &thrusts);
+    const ssv_price_t price = ssv_maneuver_solve(question, maneuver, &thrusts, &profile, &ramp);
     if (price.outcome != SSV_FEASIBLE) return price.outcome;
-    if (plan->num_pieces + profile.num_pieces > SSV_MAX_PIECES) return SSV_TOO_MANY_PIECES;
-    plan->leg[plan->num_legs++] = (ssv_leg_t){.phase = move->phase,
-                                              .kind = move->kind,
+    if (plan->num_arcs + profile.num_arcs > SSV_MAX_ARCS) return SSV_TOO_MANY_ARCS;
+    SSV_ASSERT(plan->num_legs < SSV_MAX_LEGS);
+    plan->leg[plan->num_legs++] = (ssv_leg_t){.phase = maneuver->phase,
+                                              .kind = maneuver->kind,
                                               .ramp = ramp,
                                               .t_start_s = plan->quote.time_s,
                                               .duration_s = price.time_s,
                                               .impulse_Ns = price.impulse_Ns,
-                                              .length = move->length,
+                                              .length = maneuver->length,
                                               .peak_speed = profile.peak_speed,
-                                              .v_S = move->twist.v,
-                                              .w_S = move->twist.w,
+                                              .v_S = maneuver->twist.v,
+                                              .w_S = maneuver->twist.w,
                                               .X_IS_start = X_IS,
-                                              .X_IS_end = ssv_move_pose(X_IS, move->twist, move->length),
-                                              .first_piece = plan->num_pieces,
-                                              .num_pieces = profile.num_pieces};
-    for (int k = 0; k < profile.num_pieces; k++) plan->piece[plan->num_pieces++] = profile.piece[k];
+                                              .X_IS_end = ssv_maneuver_pose(X_IS, maneuver->twist, maneuver->length),
+                                              .first_arc = plan->num_arcs,
+                                              .num_arcs = profile.num_arcs};
+    for (int k = 0; k < profile.num_arcs; k++) plan->arc[plan->num_arcs++] = profile.arc[k];
     plan->quote.time_s += price.time_s;
     plan->quote.impulse_Ns += price.impulse_Ns;
     plan->quote.cost += price.cost;
@@ -35,6 +45,7 @@ static ssv_outcome_t add_leg(const ssv_question_t* question, const ssv_assembly_
 }
 
 static void add_event(ssv_plan_t* plan, ssv_event_kind_t kind) {
+    SSV_ASSERT(plan->num_events < SSV_MAX_EVENTS);
     plan->event[plan->num_events++] = (ssv_event_t){plan->quote.time_s, kind};
 }
 
@@ -43,31 +54,31 @@ static ssv_assembly_t assembly_in(const ssv_problem_t* problem, ssv_phase_t phas
     return (ssv_assembly_t){&scenario->vehicle, phase == SSV_TRANSFER ? &scenario->beam : NULL, X_SB};
 }
 
-// Writes the motion of a chain: legs, pieces, events, final poses.
-static ssv_outcome_t write_motion(const ssv_question_t* question, const ssv_chain_t* chain, ssv_plan_t* plan) {
+// Writes the motion of a path: legs, arcs, events, final poses.
+static ssv_outcome_t write_motion(const ssv_question_t* question, const ssv_path_t* path, ssv_plan_t* plan) {
     pose_t X_IS = question->problem->scenario.X_IS;
     plan->quote.time_s = plan->quote.impulse_Ns = plan->quote.cost = REAL(0);
-    plan->num_legs = plan->num_pieces = plan->num_events = 0;
-    for (int k = 0; k < chain->num_moves; k++) {
-        const ssv_move_t* move = &chain->move[k];
-        if (move->phase == SSV_TRANSFER && plan->num_events == 0) add_event(plan, SSV_MATE);
-        if (!(move->length > REAL(0))) continue;
-        const ssv_assembly_t assembly = assembly_in(question->problem, move->phase, chain->X_SB);
-        const ssv_outcome_t outcome = add_leg(question, &assembly, move, X_IS, plan);
+    plan->num_legs = plan->num_arcs = plan->num_events = 0;
+    for (int k = 0; k < path->num_maneuvers; k++) {
+        const ssv_maneuver_t* maneuver = &path->maneuver[k];
+        if (maneuver->phase == SSV_TRANSFER && plan->num_events == 0) add_event(plan, SSV_MATE);
+        if (!(maneuver->length > REAL(0))) continue;
+        const ssv_assembly_t assembly = assembly_in(question->problem, maneuver->phase, path->X_SB);
+        const ssv_outcome_t outcome = add_leg(question, &assembly, maneuver, X_IS, plan);
         if (outcome != SSV_FEASIBLE) return outcome;
         X_IS = plan->leg[plan->num_legs - 1].X_IS_end;
     }
     add_event(plan, SSV_DOCK);
-    plan->X_SB = chain->X_SB;
+    plan->X_SB = path->X_SB;
     plan->X_IS_final = X_IS;
-    plan->X_IB_final = pose_mul(X_IS, chain->X_SB);
+    plan->X_IB_final = pose_mul(X_IS, path->X_SB);
     return SSV_FEASIBLE;
 }
 
 static ssv_thrusts_t thrusts_along(const ssv_problem_t* problem, const ssv_plan_t* plan, const ssv_leg_t* leg) {
     const ssv_assembly_t assembly = assembly_in(problem, leg->phase, plan->X_SB);
     ssv_thrusts_t thrusts;
-    ssv_move_thrusts(problem, &assembly, (ssv_twist_t){leg->v_S, leg->w_S}, &thrusts);
+    ssv_maneuver_thrusts(problem, &assembly, (ssv_twist_t){leg->v_S, leg->w_S}, &thrusts);
     return thrusts;
 }
 
@@ -76,8 +87,8 @@ static int count_segments(const ssv_problem_t* problem, const ssv_plan_t* plan, 
     int num = 0;
     for (const ssv_leg_t* leg = plan->leg; leg < plan->leg + plan->num_legs; leg++) {
         const ssv_thrusts_t thrusts = thrusts_along(problem, plan, leg);
-        for (int k = 0; k < leg->num_pieces; k++) {
-            num += ssv_timeline_count(&thrusts, &plan->piece[leg->first_piece + k], drift_max_s2);
+        for (int k = 0; k < leg->num_arcs; k++) {
+            num += ssv_timeline_count(&thrusts, &plan->arc[leg->first_arc + k], drift_max_s2);
         }
     }
     return num;
@@ -88,10 +99,10 @@ static ssv_outcome_t write_timeline(const ssv_problem_t* problem, real_t drift_m
     for (int index = 0; index < plan->num_legs; index++) {
         const ssv_leg_t* leg = &plan->leg[index];
         const ssv_thrusts_t thrusts = thrusts_along(problem, plan, leg);
-        for (int k = 0; k < leg->num_pieces; k++) {
-            const ssv_piece_t* piece = &plan->piece[leg->first_piece + k];
-            const real_t t_s = leg->t_start_s + piece->t_s;
-            const ssv_outcome_t outcome = ssv_timeline_append(&thrusts, piece, t_s, index, drift_max_s2, plan);
+        for (int k = 0; k < leg->num_arcs; k++) {
+            const ssv_arc_t* arc = &plan->arc[leg->first_arc + k];
+            const real_t t_s = leg->t_start_s + arc->t_s;
+            const ssv_outcome_t outcome = ssv_timeline_append(&thrusts, arc, t_s, index, drift_max_s2, plan);
             if (outcome != SSV_FEASIBLE) return outcome;
         }
     }
@@ -108,9 +119,9 @@ static ssv_outcome_t write_timeline(const ssv_problem_t* problem, real_t drift_m
 #define MAX_COARSER 8
 #define SEGMENTS_WANTED (SSV_MAX_SEGMENTS - SSV_MAX_SEGMENTS / 10)
 
-SSV_OWN_FRAME static ssv_outcome_t write_plan(const ssv_question_t* question, const ssv_chain_t* chain,
+SSV_OWN_FRAME static ssv_outcome_t write_plan(const ssv_question_t* question, const ssv_path_t* path,
                                               ssv_plan_t* plan) {
-    ssv_outcome_t outcome = write_motion(question, chain, plan);
+    ssv_outcome_t outcome = write_motion(question, path, plan);
     if (outcome != SSV_FEASIBLE) return outcome;
     real_t drift_s2 = DRIFT_S2;
     for (int n = 0, num = SSV_MAX_SEGMENTS; n < MAX_COUNTS && num > SEGMENTS_WANTED; n++) {
@@ -126,16 +137,16 @@ SSV_OWN_FRAME static ssv_outcome_t write_plan(const ssv_question_t* question, co
     return outcome;
 }
 
-// The paper's method, candidate by candidate, until one fits the plan's memory. @return whether one does; then *chain
+// The paper's method, candidate by candidate, until one fits the plan's memory. @return whether one does; then *path
 // is it.
-SSV_OWN_FRAME static bool plan_by_paper(const ssv_question_t* question, ssv_chain_t* chain, ssv_plan_t* plan) {
+SSV_OWN_FRAME static bool plan_by_paper(const ssv_question_t* question, ssv_path_t* path, ssv_plan_t* plan) {
     ssv_question_t by_paper = *question;
     by_paper.method = SSV_METHOD_PAPER;
-    bool found = ssv_choose(&by_paper, NULL, &plan->quote, chain);
+    bool found = ssv_choose(&by_paper, NULL, &plan->quote, path);
     for (int n = 0; n < SSV_MAX_CANDIDATES && found; n++) {
-        const ssv_outcome_t outcome = write_plan(&by_paper, chain, plan);
+        const ssv_outcome_t outcome = write_plan(&by_paper, path, plan);
         if (outcome == SSV_FEASIBLE) break;
-        found = ssv_choose_another(&by_paper, outcome, &plan->quote, chain);
+        found = ssv_choose_next(&by_paper, outcome, &plan->quote, path);
     }
     return found;
 }
@@ -143,59 +154,16 @@ SSV_OWN_FRAME static bool plan_by_paper(const ssv_question_t* question, ssv_chai
 ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_work_t* work, ssv_plan_t* plan) {
     const ssv_question_t question = ssv_question_of(problem);
     const uint32_t overflows = real_overflows();
-    ssv_chain_t chain;
+    ssv_path_t path;
     memset(plan, 0, sizeof *plan);
-    bool found = ssv_choose(&question, work, &plan->quote, &chain);
+    bool found = ssv_choose(&question, work, &plan->quote, &path);
     // What is chosen may fail to fit the plan's memory.
-    if (found && write_plan(&question, &chain, plan) != SSV_FEASIBLE) found = plan_by_paper(&question, &chain, plan);
-    if (found) ssv_quote_settle(&question, &chain, &plan->quote);
-    if (ssv_quote_conclude(&question, overflows, &plan->quote) == SSV_OK) {
+    if (found && write_plan(&question, &path, plan) != SSV_FEASIBLE) found = plan_by_paper(&question, &path, plan);
+    if (found) ssv_quote_finish_price(&question, &path, &plan->quote);
+    if (ssv_quote_finish_status(&question, overflows, &plan->quote) == SSV_OK) {
         plan->plan_hash = ssv_plan_hash(plan);
     } else {
         memset((char*)plan + sizeof plan->quote, 0, sizeof *plan - sizeof plan->quote);
     }
     return plan->quote.status;
-}
-
-static real_t clamp(real_t x, real_t low, real_t high) { return real_max(low, real_min(high, x)); }
-
-static int leg_at(const ssv_plan_t* plan, real_t t_s) {
-    int leg = 0;
-    while (leg + 1 < plan->num_legs && plan->leg[leg + 1].t_start_s <= t_s) leg++;
-    return leg;
-}
-
-static void sample_motion(const ssv_plan_t* plan, const ssv_leg_t* leg, real_t t_s, ssv_sample_t* sample) {
-    const real_t t = clamp(t_s - leg->t_start_s, REAL(0), leg->duration_s);
-    int k = leg->first_piece;
-    while (k + 1 < leg->first_piece + leg->num_pieces && plan->piece[k + 1].t_s <= t) k++;
-    const ssv_piece_t* piece = &plan->piece[k];
-    const real_t t_piece = clamp(t - piece->t_s, REAL(0), piece->duration_s);
-    const real_t v = ssv_piece_speed(piece, t_piece);
-    const real_t s = piece->s + ssv_piece_moments(piece, piece->v_start, v, t_piece).distance;
-    const ssv_twist_t twist = {leg->v_S, leg->w_S};
-    sample->X_IS = ssv_move_pose(leg->X_IS_start, twist, s);
-    sample->v_IS_S_m_s = vec3_scale(v, leg->v_S);
-    sample->w_IS_S_rad_s = vec3_scale(v, leg->w_S);
-}
-
-void ssv_plan_sample(const ssv_plan_t* plan, real_t t_s, ssv_sample_t* sample) {
-    memset(sample, 0, sizeof *sample);
-    sample->X_IS = plan->X_IS_final;
-    sample->mated = t_s >= plan->event[0].t_s;
-    if (plan->num_legs == 0) return;
-    sample->leg = leg_at(plan, t_s);
-    if (t_s < REAL(0)) {
-        sample->X_IS = plan->leg[0].X_IS_start;
-        return;
-    }
-    if (t_s >= plan->quote.time_s) return;
-    sample_motion(plan, &plan->leg[sample->leg], t_s, sample);
-    int k = 0;
-    while (k + 1 < plan->num_segments && plan->segment[k + 1].t_s <= t_s) k++;
-    const ssv_segment_t* segment = &plan->segment[k];
-    const real_t along = clamp(real_div(t_s - segment->t_s, segment->duration_s), REAL(0), REAL(1));
-    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-        sample->u_N[i] = segment->u_start_N[i] + real_mul(along, segment->u_end_N[i] - segment->u_start_N[i]);
-    }
 }

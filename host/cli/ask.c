@@ -10,8 +10,10 @@
 #include <string.h>
 #include <time.h>
 
+#include "channels.h"
 #include "lcm_ssv_planner_status_t.h"
 #include "ssv/answer.h"
+#include "wire/message.h"
 
 #define RESEND_PERIOD_S 0.5
 /// No datagram is larger. liblcm gives the start of one, cut within its channel's name, a negative size.
@@ -23,7 +25,7 @@ typedef struct {
     int64_t request_id;
     lcm_ssv_plan_t* plan;
     lcm_ssv_quote_batch_t* quotes;
-    uint32_t num_quotes;   ///< as many as there must be
+    int32_t num_quotes;    ///< as many as there must be
     const char* scalar;    ///< the one that the planner must have; NULL = any
     char scalar_heard[16]; ///< from its status; empty until then
     bool answered;
@@ -36,133 +38,61 @@ static double now_s(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static uint32_t read_u32(const uint8_t* data) {
-    return (uint32_t)data[0] << 24 | (uint32_t)data[1] << 16 | (uint32_t)data[2] << 8 | data[3];
-}
-
-static uint64_t read_u64(const uint8_t* data) { return (uint64_t)read_u32(data) << 32 | read_u32(data + 4); }
-
-/// Steps over a string of the wire. @return whether it lies within the datagram and ends with its only terminator.
-static bool skip_string(const uint8_t* data, size_t size, size_t* at) {
-    if (*at > size || size - *at < 4) {
-        return false;
-    }
-    const size_t length = read_u32(data + *at);
-    *at += 4;
-    if (length == 0 || length > size - *at || data[*at + length - 1] != '\0') {
-        return false;
-    }
-    *at += length;
-    return true;
-}
-
-/// Steps over a number of candidates. @return whether they lie within the datagram as far as their last string.
-static bool skip_candidates(const uint8_t* data, size_t size, uint32_t count, size_t* at) {
-    for (uint32_t i = 0; i < count; i++) {
-        *at += 1 + 2 * 8;
-        if (!skip_string(data, size, at)) {
-            return false;
-        }
-        *at += 3 * 8;
-    }
-    return true;
-}
-
-/// Steps over a quote_t. @return whether its counts are within their limits, and it within the datagram as far as its
-/// last string.
-static bool skip_quote(const uint8_t* data, size_t size, size_t* at) {
-    if (*at > size || size - *at < 2 * 4) {
-        return false;
-    }
-    const uint32_t num_candidates = read_u32(data + *at), num_front = read_u32(data + *at + 4);
-    if (num_candidates > SSV_MAX_CANDIDATES || num_front > SSV_MAX_FRONT) {
-        return false;
-    }
-    *at += 2 * 4 + 3 * 8 + 1;
-    if (!skip_string(data, size, at)) {
-        return false;
-    }
-    *at += 4 * 8 + (1 + 2 * 8 + 4);
-    return skip_candidates(data, size, num_candidates, at) && skip_candidates(data, size, num_front, at);
-}
-
-// Whether a datagram is what its type hash says, through and through: the generated decoders allocate what the counts
-// and the string lengths say, do not look for the strings' terminators, and forget what they allocated when the
-// datagram ends early. Offsets follow the .lcm files; the type hash vouches for them.
-
-static bool plan_is_decodable(const uint8_t* data, size_t size) {
-    const size_t counts_end = 8 + 3 * 4;
-    if (size < counts_end || size > DATAGRAM_SIZE_MAX || read_u64(data) != (uint64_t)__lcm_ssv_plan_t_get_hash()) {
-        return false;
-    }
-    const uint32_t num_legs = read_u32(data + 8), num_segments = read_u32(data + 12), num_events = read_u32(data + 16);
-    size_t at = counts_end;
-    if (num_legs > SSV_MAX_LEGS || num_segments > SSV_MAX_SEGMENTS || num_events > SSV_MAX_EVENTS ||
-        !skip_quote(data, size, &at)) {
-        return false;
-    }
-    // What follows has no strings. encoded_size counts the type hash, which parts of a message do not have.
-    at += 8;
-    at += num_legs * ((size_t)lcm_ssv_leg_t_encoded_size(&(lcm_ssv_leg_t){0}) - 8);
-    at += num_segments * ((size_t)lcm_ssv_segment_t_encoded_size(&(lcm_ssv_segment_t){0}) - 8);
-    at += num_events * ((size_t)lcm_ssv_event_t_encoded_size(&(lcm_ssv_event_t){0}) - 8);
-    at += 2 * ((size_t)lcm_ssv_pose_t_encoded_size(&(lcm_ssv_pose_t){0}) - 8);
-    return at == size;
-}
-
-static bool quotes_are_decodable(const uint8_t* data, size_t size, uint32_t num_quotes) {
-    size_t at = 8 + 4 + 2 * 8;
-    if (size < at || size > DATAGRAM_SIZE_MAX || read_u64(data) != (uint64_t)__lcm_ssv_quote_batch_t_get_hash() ||
-        read_u32(data + 8) != num_quotes) {
-        return false;
-    }
-    for (uint32_t i = 0; i < num_quotes; i++) {
-        if (!skip_quote(data, size, &at)) {
-            return false;
-        }
-    }
-    return at == size;
-}
+// The generated decoders may read only what wire_is_message vouches for.
 
 static void plan_received(const lcm_recv_buf_t* datagram, const char* channel, void* context) {
     (void)channel;
     wait_t* wait = context;
-    const uint8_t* data = datagram->data;
-    const size_t request_id_at = 8 + 5 * 4;
-    if (!plan_is_decodable(data, datagram->data_size)) {
+    lcm_ssv_plan_t plan;
+    if (wait->answered) {
+        return;
+    }
+    if (datagram->data_size > DATAGRAM_SIZE_MAX || !wire_is_message("plan_t", datagram->data, datagram->data_size) ||
+        lcm_ssv_plan_t_decode(datagram->data, 0, (int)datagram->data_size, &plan) < 0) {
         wait->foreign++;
-    } else if (!wait->answered && (int64_t)read_u64(data + request_id_at) == wait->request_id) {
-        wait->answered = lcm_ssv_plan_t_decode(data, 0, (int)datagram->data_size, wait->plan) >= 0;
+        return;
+    }
+    wait->answered = plan.quote.request_id == wait->request_id;
+    if (wait->answered) {
+        *wait->plan = plan;
+    } else {
+        lcm_ssv_plan_t_decode_cleanup(&plan);
     }
 }
 
 static void quotes_received(const lcm_recv_buf_t* datagram, const char* channel, void* context) {
     (void)channel;
     wait_t* wait = context;
-    const uint8_t* data = datagram->data;
-    const size_t request_id_at = 8 + 4;
-    const bool is_ours =
-        datagram->data_size >= request_id_at + 8 && (int64_t)read_u64(data + request_id_at) == wait->request_id;
-    if (is_ours && !wait->answered && quotes_are_decodable(data, datagram->data_size, wait->num_quotes)) {
-        wait->answered = lcm_ssv_quote_batch_t_decode(data, 0, (int)datagram->data_size, wait->quotes) >= 0;
-    } else if (is_ours || datagram->data_size < 8 || read_u64(data) != (uint64_t)__lcm_ssv_quote_batch_t_get_hash()) {
+    lcm_ssv_quote_batch_t quotes;
+    if (wait->answered) {
+        return;
+    }
+    if (datagram->data_size > DATAGRAM_SIZE_MAX ||
+        !wire_is_message("quote_batch_t", datagram->data, datagram->data_size) ||
+        lcm_ssv_quote_batch_t_decode(datagram->data, 0, (int)datagram->data_size, &quotes) < 0) {
         wait->foreign++;
+        return;
+    }
+    const bool is_ours = quotes.request_id == wait->request_id;
+    wait->answered = is_ours && quotes.num_quotes == wait->num_quotes;
+    if (wait->answered) {
+        *wait->quotes = quotes;
+    } else {
+        wait->foreign += is_ours;
+        lcm_ssv_quote_batch_t_decode_cleanup(&quotes);
     }
 }
 
 static void status_received(const lcm_recv_buf_t* datagram, const char* channel, void* context) {
     (void)channel;
     wait_t* wait = context;
-    const uint8_t* data = datagram->data;
-    const size_t size = datagram->data_size;
-    size_t at = 8 + 8;
-    if (size < at || size > DATAGRAM_SIZE_MAX || read_u64(data) != (uint64_t)__lcm_ssv_planner_status_t_get_hash() ||
-        !skip_string(data, size, &at)) {
-        return;
-    }
-    const char* scalar = (const char*)data + at + 4;
-    if (skip_string(data, size, &at)) {
-        snprintf(wait->scalar_heard, sizeof wait->scalar_heard, "%s", scalar);
+    lcm_ssv_planner_status_t status;
+    if (datagram->data_size <= DATAGRAM_SIZE_MAX &&
+        wire_is_message("planner_status_t", datagram->data, datagram->data_size) &&
+        lcm_ssv_planner_status_t_decode(datagram->data, 0, (int)datagram->data_size, &status) >= 0) {
+        snprintf(wait->scalar_heard, sizeof wait->scalar_heard, "%s", status.scalar);
+        tree_make_harmless(wait->scalar_heard);
+        lcm_ssv_planner_status_t_decode_cleanup(&status);
     }
 }
 
@@ -197,7 +127,7 @@ static bool exchange(lcm_t* lcm, const uint8_t* message, unsigned size, double t
 /// error set.
 static bool check_scalar(lcm_t* lcm, const char* url, double timeout_s, wait_t* wait, char* error, size_t error_size) {
     const double deadline_s = now_s() + timeout_s;
-    if (lcm_subscribe(lcm, "SSV_PLANNER_STATUS", status_received, wait) == NULL) {
+    if (lcm_subscribe(lcm, CHANNEL_STATUS, status_received, wait) == NULL) {
         snprintf(error, error_size, "cannot set up LCM on %s", url_in_use(url));
         return false;
     }
@@ -258,8 +188,8 @@ static bool ask(const char* url, double timeout_s, const uint8_t* message, unsig
 bool ask_plan(const char* url, const char* scalar, double timeout_s, const lcm_ssv_scenario_t* question,
               lcm_ssv_plan_t* answer, char* error, size_t error_size) {
     static uint8_t message[1024];
-    wait_t wait = {.ask_channel = "SSV_SCENARIO",
-                   .answer_channel = "SSV_PLAN",
+    wait_t wait = {.ask_channel = CHANNEL_SCENARIO,
+                   .answer_channel = CHANNEL_PLAN,
                    .request_id = question->request_id,
                    .plan = answer,
                    .scalar = scalar};
@@ -271,11 +201,11 @@ bool ask_plan(const char* url, const char* scalar, double timeout_s, const lcm_s
 bool ask_quotes(const char* url, const char* scalar, double timeout_s, const lcm_ssv_scenario_batch_t* question,
                 lcm_ssv_quote_batch_t* answer, char* error, size_t error_size) {
     static uint8_t message[1024 * SSV_MAX_BATCH];
-    wait_t wait = {.ask_channel = "SSV_SCENARIO_BATCH",
-                   .answer_channel = "SSV_QUOTE_BATCH",
+    wait_t wait = {.ask_channel = CHANNEL_BATCH,
+                   .answer_channel = CHANNEL_QUOTES,
                    .request_id = question->request_id,
                    .quotes = answer,
-                   .num_quotes = (uint32_t)question->num_scenarios,
+                   .num_quotes = question->num_scenarios,
                    .scalar = scalar};
     const int size = lcm_ssv_scenario_batch_t_encode(message, 0, sizeof message, question);
     assert(size > 0);

@@ -19,4 +19,7 @@ int plan_command(int argc, char** argv);
 /// `ssv quote`: reads scenario files, has them priced in process or over LCM, and shows the prices side by side.
 int quote_command(int argc, char** argv);
 
+/// `ssv scenario`: reads a scenario file and shows the question as understood, every default filled in.
+int scenario_command(int argc, char** argv);
+
 #endif

@@ -13,14 +13,16 @@ static const struct {
 } commands[] = {
     {"plan", plan_command},
     {"quote", quote_command},
+    {"scenario", scenario_command},
 };
 
 static const char doc[] =
     "Asks the onboard trajectory planner what it costs to fly to a beam and carry it to a hub port, and which thrusts "
     "do it."
     "\vCommands:\n"
-    "  plan    plan one task, described by a scenario file\n"
-    "  quote   what up to 16 tasks cost, side by side, without their plans\n"
+    "  plan      plan one task, described by a scenario file\n"
+    "  quote     what up to 16 tasks cost, side by side, without their plans\n"
+    "  scenario  the question as understood, every default filled in\n"
     "\n"
     "`ssv COMMAND --help` tells about a command.";
 
@@ -36,7 +38,7 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
             state->next = state->argc; // the rest is the command's
             (void)argument;
             return 0;
-        case ARGP_KEY_NO_ARGS: argp_error(state, "which command? There are: plan, quote"); return 0;
+        case ARGP_KEY_NO_ARGS: argp_error(state, "which command? There are: plan, quote, scenario"); return 0;
         default: return ARGP_ERR_UNKNOWN;
     }
 }
@@ -52,7 +54,8 @@ int main(int argc, char** argv) {
             return commands[i].run(argc - arguments.command_at, rest);
         }
     }
-    fprintf(stderr, "ssv: there is no command '%s'. There are: plan, quote\nTry `ssv --help' for more information.\n",
+    fprintf(stderr,
+            "ssv: there is no command '%s'. There are: plan, quote, scenario\nTry `ssv --help' for more information.\n",
             rest[0]);
     return EXIT_USAGE;
 }

@@ -10,8 +10,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "wire/tree.h"
+
 static bool fail(const char* path) {
-    fprintf(stderr, "ssv: cannot write %s: %s\n", path, strerror(errno));
+    char shown[PATH_MAX];
+    const char* const why = strerror(errno);
+    snprintf(shown, sizeof shown, "%s", path);
+    tree_make_harmless(shown);
+    fprintf(stderr, "ssv: cannot write %s: %s\n", shown, why);
     return false;
 }
 
@@ -57,8 +63,34 @@ static mode_t new_file_mode(void) {
     return 0666 & ~mask;
 }
 
+/// The file that a path means, at the end of its links, even where there is none yet. @return false with errno set.
+static bool follow_links(const char* path, char* target, size_t size) {
+    int length = snprintf(target, size, "%s", path);
+    for (int links = 0; length >= 0 && (size_t)length < size; links++) {
+        char link[PATH_MAX];
+        const ssize_t link_length = readlink(target, link, sizeof link - 1);
+        if (link_length < 0) {
+            return errno == EINVAL || errno == ENOENT; // no link, or nothing yet
+        }
+        if (links == 40) {
+            errno = ELOOP;
+            return false;
+        }
+        link[link_length] = '\0';
+        const char* const slash = strrchr(target, '/');
+        const int folder_length = link[0] == '/' || slash == NULL ? 0 : (int)(slash + 1 - target);
+        char next[PATH_MAX];
+        length = snprintf(next, sizeof next, "%.*s%s", folder_length, target, link);
+        if (length >= 0 && (size_t)length < sizeof next) {
+            snprintf(target, size, "%s", next);
+        }
+    }
+    errno = ENAMETOOLONG;
+    return false;
+}
+
 bool output_write(const char* path, const char* text, size_t size) {
-    if (path == NULL) {
+    if (path == NULL || strcmp(path, "-") == 0) {
         return write_whole(STDOUT_FILENO, text, size) || fail("standard output");
     }
     struct stat old;
@@ -73,16 +105,15 @@ bool output_write(const char* path, const char* text, size_t size) {
     }
 
     // A link stays a link: the file that it leads to is the one replaced.
-    char* const target = exists ? realpath(path, NULL) : strdup(path);
-    if (target == NULL) {
+    char target[PATH_MAX];
+    if (!follow_links(path, target, sizeof target)) {
         return fail(path);
     }
     sigset_t all, before;
     sigfillset(&all);
     sigprocmask(SIG_BLOCK, &all, &before); // a Ctrl-C waits for these few milliseconds
-    const bool done = replace(target, exists ? old.st_mode & 07777 : new_file_mode(), text, size) || fail(path);
+    const bool done = replace(target, exists ? old.st_mode & 0777 : new_file_mode(), text, size) || fail(path);
     sigprocmask(SIG_SETMASK, &before, NULL);
-    free(target);
     return done;
 }
 

@@ -19,6 +19,7 @@ static const char doc[] =
     "  ssv plan task.yaml --candidates      what else was tried, and what it costs\n"
     "  ssv plan task.yaml --format json --output plan.json\n"
     "                                       for scripts and ssv-replay\n"
+    "  ssv plan plan.json                   the same question again\n"
     "  ssv plan task.yaml --scalar fixed    as a vehicle computer without floating\n"
     "                                       point would plan it\n"
     "  ssv plan task.yaml --lcm             asks a running ssv-plannerd\n"
@@ -30,7 +31,10 @@ static const char doc[] =
     "itself.\n"
     "\n"
     "The scenario's model is the name of a file in the models folder (paper, ease) or a path from the scenario file, "
-    "mine.yaml or FOLDER/mine.yaml. FILE is replaced in one step when the answer is complete, or left as it was.\n"
+    "mine.yaml or FOLDER/mine.yaml. SCENARIO may also be - for standard input, or what `ssv plan --format json` or "
+    "`ssv "
+    "scenario` wrote; host/FORMATS.md tells of them all. FILE is replaced in one step by a complete plan; whatever "
+    "else comes of it goes to standard output and leaves FILE as it was.\n"
     "\n"
     "Exit codes:\n"
     "   0  plan found\n"
@@ -44,12 +48,7 @@ static const char doc[] =
     "  64  wrong arguments\n"
     "   1  anything else, e.g. FILE cannot be written\n";
 
-/// Shows the planner's answer. @return the exit code.
-static int show(const task_options_t* options, const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer) {
-    const report_plan_t report = {options->paths[0], question, answer};
-    if (!output_report(options->output_path, options->as_json ? report_plan_json : report_plan_table, &report)) {
-        return EXIT_FAILED;
-    }
+static int exit_code(const lcm_ssv_plan_t* answer) {
     switch (answer->quote.status) {
         case LCM_SSV_QUOTE_T_STATUS_OK: return EXIT_OK;
         case LCM_SSV_QUOTE_T_STATUS_INFEASIBLE: return EXIT_INFEASIBLE;
@@ -58,42 +57,64 @@ static int show(const task_options_t* options, const lcm_ssv_scenario_t* questio
     }
 }
 
-/// Shows the planner's answer, and on standard error why it is no plan.
+/// Shows the planner's answer: a plan where the options say, anything else on standard output, and on standard error
+/// why it is no plan. @return the exit code.
 static int conclude(const task_options_t* options, const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer) {
-    const int code = show(options, question, answer);
+    const report_plan_t report = {options->shown[0], question, answer};
+    const char* const path = answer->quote.status == LCM_SSV_QUOTE_T_STATUS_OK ? options->output_path : NULL;
+    const bool written = output_report(path, options->as_json ? report_plan_json : report_plan_table, &report);
     if (answer->quote.status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE) {
-        fprintf(stderr, "ssv: %s: no feasible candidate\n", options->paths[0]); // the answer itself says why of each
+        fprintf(stderr, "ssv: %s: no feasible candidate\n", options->shown[0]); // the answer itself says why of each
+    } else if (answer->quote.status == LCM_SSV_QUOTE_T_STATUS_INVALID) {
+        fprintf(stderr, "ssv: %s\n", answer->quote.reason);
     } else if (answer->quote.status != LCM_SSV_QUOTE_T_STATUS_OK) {
-        fprintf(stderr, "ssv: %s: %s\n", options->paths[0], answer->quote.reason);
+        fprintf(stderr, "ssv: %s: %s\n", options->shown[0], answer->quote.reason);
     }
-    return code;
+    return written ? exit_code(answer) : EXIT_FAILED;
+}
+
+/// Likewise, a refusal in words of the file.
+static int explain(const task_options_t* options, const scenario_file_t* file, const lcm_ssv_scenario_t* question,
+                   const lcm_ssv_plan_t* answer) {
+    char reason[1024];
+    lcm_ssv_plan_t explained = *answer;
+    snprintf(reason, sizeof reason, "%s", answer->quote.reason);
+    if (answer->quote.status == LCM_SSV_QUOTE_T_STATUS_INVALID) {
+        task_explain(options, options->shown[0], file, answer->quote.reason, reason, sizeof reason);
+        explained.quote.reason = reason;
+    }
+    tree_make_harmless(explained.quote.reason); // it may come from the wire
+    return conclude(options, question, &explained);
 }
 
 int plan_command(int argc, char** argv) {
     task_options_t options;
-    task_options_parse(&options, doc, 1, argc, argv);
+    task_options_parse(&options, doc, 1, true, argc, argv);
 
     char error[1024];
+    scenario_file_t file;
     lcm_ssv_scenario_t question;
-    if (!task_read(&options, options.paths[0], &question, error, sizeof error)) {
+    int code = EXIT_NO_ANSWER;
+    if (!task_read(&options, options.paths[0], &file, &question, error, sizeof error)) {
         const lcm_ssv_plan_t refused = {.quote = {.status = LCM_SSV_QUOTE_T_STATUS_INVALID, .reason = error}};
-        const int code = show(&options, &question, &refused);
-        fprintf(stderr, "ssv: %s\n", error);
-        return code;
+        scenario_file_close(&file);
+        return conclude(&options, &question, &refused);
     }
     task_stamp(&question.request_id, &question.epoch_us);
 
     if (!options.over_lcm) {
         static ssv_answer_t answer;
         ssv_answer(&question, &answer);
-        return conclude(&options, &question, &answer.wire);
+        code = explain(&options, &file, &question, &answer.wire);
+    } else {
+        lcm_ssv_plan_t answer;
+        if (ask_plan(options.lcm_url, options.scalar, options.timeout_s, &question, &answer, error, sizeof error)) {
+            code = explain(&options, &file, &question, &answer);
+            lcm_ssv_plan_t_decode_cleanup(&answer);
+        } else {
+            fprintf(stderr, "ssv: %s\n", error);
+        }
     }
-    lcm_ssv_plan_t answer;
-    if (!ask_plan(options.lcm_url, options.scalar, options.timeout_s, &question, &answer, error, sizeof error)) {
-        fprintf(stderr, "ssv: %s\n", error);
-        return EXIT_NO_ANSWER;
-    }
-    const int code = conclude(&options, &question, &answer);
-    lcm_ssv_plan_t_decode_cleanup(&answer);
+    scenario_file_close(&file);
     return code;
 }

@@ -23,7 +23,8 @@ static const char doc[] =
     "\n"
     "The column \"gap %\" says how far above the best possible the price can be at most. A task that is refused or has "
     "no "
-    "plan leaves the others alone. Scenario files and FILE are as for `ssv plan`.\n"
+    "plan leaves the others alone. Scenario files are as for `ssv plan`. FILE is left as it was if a task is refused; "
+    "the answer then goes to standard output.\n"
     "\n"
     "Exit codes, of the worst task:\n"
     "   0  every task has a price\n"
@@ -41,56 +42,83 @@ static const char doc[] =
 /// One scenario file and what comes of it.
 typedef struct {
     lcm_ssv_scenario_t question;
-    lcm_ssv_quote_t refused; ///< of a file that is no scenario
-    char error[1024];        ///< likewise: why
+    scenario_file_t file;
+    lcm_ssv_quote_t refused; ///< of a file that is no scenario, or that the planner refuses
+    char error[1024];        ///< likewise: why, in words of the file
     int number;              ///< in the batch; -1 for a file that is no scenario
 } task_t;
 
-/// Shows the prices as asked for, and on standard error why one is missing. @return the exit code.
-static int conclude(const task_options_t* options, const task_t* tasks, const lcm_ssv_quote_batch_t* answer) {
+/// The quote of a task, with a refusal in words of the file.
+static const lcm_ssv_quote_t* quote_of(const task_options_t* options, int i, task_t* task,
+                                       const lcm_ssv_quote_batch_t* answer) {
+    const lcm_ssv_quote_t* quote = task->number < 0 ? &task->refused : &answer->quotes[task->number];
+    tree_make_harmless(quote->reason); // it may come from the wire
+    if (task->number >= 0 && quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID) {
+        task_explain(options, options->shown[i], &task->file, quote->reason, task->error, sizeof task->error);
+        task->refused = *quote;
+        task->refused.reason = task->error;
+        quote = &task->refused;
+    }
+    return quote;
+}
+
+/// On standard error why a price is missing. @return the exit code of this one.
+static int tell(const task_options_t* options, int i, const lcm_ssv_quote_t* quote) {
+    switch (quote->status) {
+        case LCM_SSV_QUOTE_T_STATUS_OK: return EXIT_OK;
+        case LCM_SSV_QUOTE_T_STATUS_INFEASIBLE:
+            fprintf(stderr, "ssv: %s: no feasible candidate\n",
+                    options->shown[i]); // the answer itself says why of each
+            return EXIT_INFEASIBLE;
+        case LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW:
+            fprintf(stderr, "ssv: %s: %s\n", options->shown[i], quote->reason);
+            return EXIT_OVERFLOW;
+        default: fprintf(stderr, "ssv: %s\n", quote->reason); return EXIT_INVALID;
+    }
+}
+
+/// Which of two exit codes is that of the worse task.
+static int worse(int a, int b) {
+    static const int by_severity[] = {EXIT_INVALID, EXIT_OVERFLOW, EXIT_INFEASIBLE};
+    for (size_t i = 0; i < sizeof by_severity / sizeof by_severity[0]; i++) {
+        if (a == by_severity[i] || b == by_severity[i]) {
+            return by_severity[i];
+        }
+    }
+    return EXIT_OK;
+}
+
+/// Shows the prices as asked for; a file is left alone if a task is refused. @return the exit code.
+static int conclude(const task_options_t* options, task_t* tasks, const lcm_ssv_quote_batch_t* answer) {
     static report_quotes_t report;
     int code = EXIT_OK;
     report.count = options->num_paths;
+    bool refused = false;
     for (int i = 0; i < options->num_paths; i++) {
-        const task_t* task = &tasks[i];
-        const lcm_ssv_quote_t* quote = task->number < 0 ? &task->refused : &answer->quotes[task->number];
-        report.row[i] = (report_quote_t){options->paths[i], &task->question, quote};
-        if (quote->status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE) {
-            code = code == EXIT_OK ? EXIT_INFEASIBLE : code;
-        } else if (quote->status == LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW) {
-            code = code == EXIT_INVALID ? code : EXIT_OVERFLOW;
-        } else if (quote->status != LCM_SSV_QUOTE_T_STATUS_OK) {
-            code = EXIT_INVALID;
-        }
+        report.row[i] =
+            (report_quote_t){options->shown[i], &tasks[i].question, quote_of(options, i, &tasks[i], answer)};
+        refused = refused || report.row[i].quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID;
     }
-    if (!output_report(options->output_path, options->as_json ? report_quotes_json : report_quotes_table, &report)) {
-        return EXIT_FAILED;
-    }
+    const bool written = output_report(refused ? NULL : options->output_path,
+                                       options->as_json ? report_quotes_json : report_quotes_table, &report);
     for (int i = 0; i < options->num_paths; i++) {
-        const lcm_ssv_quote_t* quote = report.row[i].quote;
-        if (tasks[i].number < 0) {
-            fprintf(stderr, "ssv: %s\n", tasks[i].error);
-        } else if (quote->status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE) {
-            fprintf(stderr, "ssv: %s: no feasible candidate\n",
-                    options->paths[i]); // the answer itself says why of each
-        } else if (quote->status != LCM_SSV_QUOTE_T_STATUS_OK) {
-            fprintf(stderr, "ssv: %s: %s\n", options->paths[i], quote->reason);
-        }
+        code = worse(code, tell(options, i, report.row[i].quote));
+        scenario_file_close(&tasks[i].file);
     }
-    return code;
+    return written ? code : EXIT_FAILED;
 }
 
 int quote_command(int argc, char** argv) {
     static task_t tasks[SSV_MAX_BATCH];
     static lcm_ssv_scenario_t scenarios[SSV_MAX_BATCH];
     task_options_t options;
-    task_options_parse(&options, doc, SSV_MAX_BATCH, argc, argv);
+    task_options_parse(&options, doc, SSV_MAX_BATCH, true, argc, argv);
 
     lcm_ssv_scenario_batch_t batch = {.scenarios = scenarios};
     task_stamp(&batch.request_id, &batch.epoch_us);
     for (int i = 0; i < options.num_paths; i++) {
         task_t* task = &tasks[i];
-        if (!task_read(&options, options.paths[i], &task->question, task->error, sizeof task->error)) {
+        if (!task_read(&options, options.paths[i], &task->file, &task->question, task->error, sizeof task->error)) {
             task->refused = (lcm_ssv_quote_t){.status = LCM_SSV_QUOTE_T_STATUS_INVALID, .reason = task->error};
             task->number = -1;
             continue;

@@ -1,40 +1,41 @@
-/// Reads a scenario file (YAML) and the model file that it names into the wire type.
+/// Reads a scenario file and the model file that it names into the wire type; host/FORMATS.md is for those who write
+/// them.
 ///
-/// The files are held to a schema: an unknown, missing or repeated key, or a value of the wrong shape, is refused.
-/// Whether the numbers make sense is not judged here but by the planner, except for what never reaches it (the hub's
-/// attitude).
+/// A file has either the friendly layout, which this lays out as the message, or `scenario:` with the message itself,
+/// as `ssv scenario` and `ssv plan --format json` write it. Either way it is held to the message type: an unknown,
+/// missing or repeated key, or a value of the wrong kind, is refused. Whether the numbers make sense is judged by the
+/// planner, except for what never reaches it (the hub).
 #ifndef SSV_SCENARIO_FILE_H
 #define SSV_SCENARIO_FILE_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
 #include "lcm_ssv_scenario_t.h"
+#include "wire/tree.h"
 
-/// Largest file that is read [bytes].
-#define SCENARIO_FILE_SIZE_MAX (1 << 20)
+/// What a scenario was read from: its values as the message has them, each with the place that it was written at.
+typedef struct {
+    tree_memory_t memory;
+    const tree_t* tree;
+} scenario_file_t;
 
-/// The method of a scenario that names none.
-#define SCENARIO_METHOD_DEFAULT "optimal"
-/// Likewise its effort.
-#define SCENARIO_EFFORT_DEFAULT "quick"
+/// Reads the scenario at `path`, "-" being standard input. A model given by name is looked for in `models_dir`; one
+/// given by path, relative to the scenario file. request_id and epoch_us mean nothing yet. The file is closed with
+/// scenario_file_close in any case.
+/// @return true; or false with a sentence in `error` that names file, line and key, and *scenario in an undefined
+/// state.
+bool scenario_file_open(scenario_file_t* file, const char* path, const char* models_dir, lcm_ssv_scenario_t* scenario,
+                        char* error, size_t error_size);
 
-/// The words for options_t.method and options_t.effort, in the order of their values.
-extern const char* const scenario_methods[2];
-extern const char* const scenario_efforts[2];
+/// The same for the text of such a file, which is not opened.
+bool scenario_text_open(scenario_file_t* file, const char* path, const char* text, size_t size, const char* models_dir,
+                        lcm_ssv_scenario_t* scenario, char* error, size_t error_size);
 
-/// Reads the scenario at `path`. A model given by name is looked for in `models_dir`; one given by path, relative to
-/// the scenario file. Writes everything but request_id and epoch_us.
-/// @return true; or false with a sentence in `error` that names file, line or key, and *scenario in an undefined state.
+/// Puts the place in the file before a planner's reason "PATH: sentence", where PATH is the message's.
+void scenario_file_explain(const scenario_file_t* file, const char* reason, char* text, size_t size);
+
+void scenario_file_close(scenario_file_t* file);
+
+/// Opens, reads and closes.
 bool scenario_file_read(const char* path, const char* models_dir, lcm_ssv_scenario_t* scenario, char* error,
                         size_t error_size);
-
-/// @return which of the words it is, -1 if none.
-int8_t word_find(const char* text, const char* const* words, int count);
-
-/// A number as YAML 1.2 writes it (.nan and .inf included), all of the text or nothing.
-/// @return whether it is one; if not, *value is untouched.
-bool number_parse(const char* text, double* value);
 
 #endif

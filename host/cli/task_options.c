@@ -11,7 +11,10 @@
 #include <unistd.h>
 
 #include "commands.h"
-#include "scenario_file.h"
+#include "wire/names.h"
+
+#define METHOD_DEFAULT "optimal"
+#define EFFORT_DEFAULT "quick"
 
 enum {
     KEY_LCM = 256,
@@ -26,29 +29,49 @@ enum {
     KEY_FRONT
 };
 
-static const struct argp_option option_table[] = {
+// Of the question alone.
+#define QUESTION_OPTIONS                                                                                                 \
+    {"weights", KEY_WEIGHTS, "W1,W2", 0, "Weights of time [1/s] and impulse [1/(N s)] instead of the file's", 0},        \
+        {"method",                                                                                                       \
+         KEY_METHOD,                                                                                                     \
+         "optimal|paper",                                                                                                \
+         0,                                                                                                              \
+         "What decides the free choices, instead of the file's (default " METHOD_DEFAULT ")",                            \
+         0},                                                                                                             \
+        {"effort",                                                                                                       \
+         KEY_EFFORT,                                                                                                     \
+         "quick|best",                                                                                                   \
+         0,                                                                                                              \
+         "How much method optimal tries, instead of the file's (default " EFFORT_DEFAULT ")",                            \
+         0},                                                                                                             \
+        {"candidates", KEY_CANDIDATES, NULL, 0, "Also show every (contact, height) and what it costs", 0},               \
+        {"front", KEY_FRONT, NULL, 0, "Also show what time and impulse can be traded for; takes some ten times as long", \
+         0},                                                                                                             \
+        {"output", KEY_OUTPUT, "FILE", 0, "Write there instead of to standard output, which is -", 0}
+
+static const struct argp_option answer_options[] = {
     {"lcm", KEY_LCM, "URL", OPTION_ARG_OPTIONAL, "Ask a running ssv-plannerd over LCM, instead of computing in process",
      0},
-    {"weights", KEY_WEIGHTS, "W1,W2", 0, "Weights of time [1/s] and impulse [1/(N s)] instead of the file's", 0},
-    {"method", KEY_METHOD, "optimal|paper", 0,
-     "What decides the free choices, instead of the file's (default " SCENARIO_METHOD_DEFAULT ")", 0},
-    {"effort", KEY_EFFORT, "quick|best", 0,
-     "How much method optimal tries, instead of the file's (default " SCENARIO_EFFORT_DEFAULT ")", 0},
     {"scalar", KEY_SCALAR, "double|float|fixed", 0,
      "The arithmetic that the planner computes in (default " SSV_DEFAULT_SCALAR
      "); with --lcm the running planner must be of that one",
      0},
-    {"candidates", KEY_CANDIDATES, NULL, 0, "Also show every (contact, height) and what it costs", 0},
-    {"front", KEY_FRONT, NULL, 0, "Also show what time and impulse can be traded for; takes some ten times as long", 0},
     {"format", KEY_FORMAT, "table|json", 0, "For people (default) or for programs", 0},
-    {"output", KEY_OUTPUT, "FILE", 0, "Write there instead of to standard output", 0},
     {"timeout", KEY_TIMEOUT, "S", 0, "How long to wait for an answer over LCM [s] (default 5)", 0},
+    QUESTION_OPTIONS,
+    {0},
+};
+
+static const struct argp_option question_options[] = {
+    {"format", KEY_FORMAT, "yaml|json", 0, "For people (default) or for programs", 0},
+    QUESTION_OPTIONS,
     {0},
 };
 
 typedef struct {
     task_options_t* options;
     int max_paths;
+    bool wants_answer;
 } input_t;
 
 /// "W1,W2"; the numbers' ranges are the planner's to judge.
@@ -59,7 +82,7 @@ static bool parse_weights(const char* text, double weights[2]) {
         return false;
     }
     snprintf(first, sizeof first, "%.*s", (int)(comma - text), text);
-    return number_parse(first, &weights[0]) && number_parse(comma + 1, &weights[1]);
+    return tree_number(first, &weights[0]) && tree_number(comma + 1, &weights[1]);
 }
 
 static error_t parse_option(int key, char* argument, struct argp_state* state) {
@@ -80,13 +103,13 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
             options->weights_given = true;
             return 0;
         case KEY_METHOD:
-            options->method = word_find(argument, scenario_methods, 2);
+            options->method = name_find(&names_method, argument);
             if (options->method < 0) {
                 argp_error(state, "--method %s: there are optimal and paper", argument);
             }
             return 0;
         case KEY_EFFORT:
-            options->effort = word_find(argument, scenario_efforts, 2);
+            options->effort = name_find(&names_effort, argument);
             if (options->effort < 0) {
                 argp_error(state, "--effort %s: there are quick and best", argument);
             }
@@ -101,13 +124,14 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
         case KEY_FRONT: options->want_front = true; return 0;
         case KEY_FORMAT:
             options->as_json = strcmp(argument, "json") == 0;
-            if (!options->as_json && strcmp(argument, "table") != 0) {
-                argp_error(state, "--format %s: there are table and json", argument);
+            if (!options->as_json && strcmp(argument, input->wants_answer ? "table" : "yaml") != 0) {
+                argp_error(state, "--format %s: there are %s and json", argument,
+                           input->wants_answer ? "table" : "yaml");
             }
             return 0;
         case KEY_OUTPUT: options->output_path = argument; return 0;
         case KEY_TIMEOUT:
-            if (!number_parse(argument, &options->timeout_s) ||
+            if (!tree_number(argument, &options->timeout_s) ||
                 !(options->timeout_s > 0 && options->timeout_s <= 3600)) {
                 argp_error(state, "--timeout %s: not a number of seconds in (0, 3600]", argument);
             }
@@ -117,6 +141,9 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
                 argp_error(state, "no more than %d scenario%s at a time, but there is also '%s'", input->max_paths,
                            input->max_paths == 1 ? "" : "s", argument);
             }
+            snprintf(options->shown[options->num_paths], sizeof options->shown[0], "%s",
+                     strcmp(argument, "-") == 0 ? "standard input" : argument);
+            tree_make_harmless(options->shown[options->num_paths]);
             options->paths[options->num_paths++] = argument;
             return 0;
         case ARGP_KEY_NO_ARGS: argp_error(state, "which scenario file?"); return 0;
@@ -161,12 +188,13 @@ __attribute__((noreturn)) static void hand_over(const char* scalar, char* comman
     exit(EXIT_FAILED);
 }
 
-void task_options_parse(task_options_t* options, const char* doc, int max_paths, int argc, char** argv) {
-    const struct argp parser = {.options = option_table,
+void task_options_parse(task_options_t* options, const char* doc, int max_paths, bool wants_answer, int argc,
+                        char** argv) {
+    const struct argp parser = {.options = wants_answer ? answer_options : question_options,
                                 .parser = parse_option,
-                                .args_doc = max_paths == 1 ? "SCENARIO.yaml" : "SCENARIO.yaml...",
+                                .args_doc = max_paths == 1 ? "SCENARIO" : "SCENARIO...",
                                 .doc = doc};
-    input_t input = {options, max_paths};
+    input_t input = {options, max_paths, wants_answer};
     *options = (task_options_t){.timeout_s = 5, .method = -1, .effort = -1};
     char* const command = argv[0];
     char name[32];
@@ -179,14 +207,15 @@ void task_options_parse(task_options_t* options, const char* doc, int max_paths,
     }
 }
 
-bool task_read(const task_options_t* options, const char* path, lcm_ssv_scenario_t* question, char* error,
-               size_t error_size) {
+bool task_read(const task_options_t* options, const char* path, scenario_file_t* file, lcm_ssv_scenario_t* question,
+               char* error, size_t error_size) {
     char* const models = find_models();
+    *file = (scenario_file_t){.tree = NULL};
     if (models == NULL) {
         snprintf(error, error_size, "out of memory");
         return false;
     }
-    const bool sound = scenario_file_read(path, models, question, error, error_size);
+    const bool sound = scenario_file_open(file, path, models, question, error, error_size);
     free(models);
     if (!sound) {
         return false;
@@ -204,6 +233,22 @@ bool task_read(const task_options_t* options, const char* path, lcm_ssv_scenario
     question->options.want_candidates = question->options.want_candidates || options->want_candidates;
     question->options.want_front = question->options.want_front || options->want_front;
     return true;
+}
+
+void task_explain(const task_options_t* options, const char* shown_path, const scenario_file_t* file,
+                  const char* reason, char* text, size_t size) {
+    const bool of_option = options->weights_given && strncmp(reason, "weight_", strlen("weight_")) == 0;
+    char explained[1024];
+    if (of_option) {
+        snprintf(text, size, "--weights: %s", reason);
+        return;
+    }
+    scenario_file_explain(file, reason, explained, sizeof explained);
+    if (strcmp(explained, reason) == 0) {
+        snprintf(text, size, "%s: %s", shown_path, reason);
+    } else {
+        snprintf(text, size, "%s", explained);
+    }
 }
 
 void task_stamp(int64_t* request_id, int64_t* epoch_us) {

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "tasks.h"
+#include "sample.h"
 
 int main(int argc, char** argv) {
     static ssv_problem_t problem;
@@ -15,10 +15,10 @@ int main(int argc, char** argv) {
         fputs("usage: plan_hashes SEED COUNT\n", stderr);
         return 64;
     }
-    task_seed(strtoull(argv[1], NULL, 10));
+    sample_seed(strtoull(argv[1], NULL, 10));
     const int count = atoi(argv[2]);
     for (int i = 0; i < count; i++) {
-        ssv_scenario_t scenario = task_random();
+        ssv_scenario_t scenario = sample_scenario();
         if (i % 2 == 0) scenario.method = SSV_METHOD_OPTIMAL;
         ssv_fault_t fault;
         const ssv_status_t checked = ssv_problem_init(&problem, &scenario, &fault);

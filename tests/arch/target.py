@@ -43,7 +43,7 @@ def run_here(name, scalar):
     run([os.environ["CC"], "-std=c11", "-O2", "-ffp-contract=off", f"-DSSV_REAL_{scalar.upper()}",
          *(f"-I{ROOT}/{folder}" for folder in ("firmware/include", "firmware", "firmware/target")),
          f"-I{SUPPORT}", f"-I{SHIPPED.parent}",
-         *sorted(CORE.glob("**/*.c")), SUPPORT / "tasks.c", ROOT / f"tests/target/{name}.c", ROOT / "tests/target/no_board.c",
+         *sorted(CORE.glob("**/*.c")), SUPPORT / "sample.c", ROOT / f"tests/target/{name}.c", ROOT / "tests/target/no_board.c",
          "-lm", "-o", program])
     return printed([program])
 

@@ -17,10 +17,10 @@
 #include "euler.h"
 #include "figures.h"
 #include "planner/motion/maneuver.h"
+#include "sample.h"
 #include "scenario_file.h"
 #include "ssv/answer.h"
 #include "stack.h"
-#include "tasks.h"
 
 #define SEED 20261124
 #define MAX_REPEATS 300
@@ -109,11 +109,11 @@ static void weigh(ssv_scenario_t* scenario, int w) {
 }
 
 /// Random task number k, the bodies of a model in it.
-static ssv_scenario_t model_task(int k, bool ease) {
-    task_seed(SEED + (uint64_t)k);
-    ssv_scenario_t scenario = task_random();
-    scenario.vehicle = task_vehicle();
-    scenario.beam = task_beam(ease);
+static ssv_scenario_t model_scenario(int k, bool ease) {
+    sample_seed(SEED + (uint64_t)k);
+    ssv_scenario_t scenario = sample_scenario();
+    scenario.vehicle = model_vehicle();
+    scenario.beam = model_beam(ease);
     return scenario;
 }
 
@@ -349,8 +349,8 @@ static void report_random_times(report_t* report) {
     for (int w = 0; w < NUM_WAYS; w++) {
         samples_t plan_times = {0}, quote_times = {0};
         for (int k = 0; k < ways[w].timed_tasks; k++) {
-            task_seed(SEED + (uint64_t)k);
-            ssv_problem_t problem = problem_of(task_random(), &ways[w]);
+            sample_seed(SEED + (uint64_t)k);
+            ssv_problem_t problem = problem_of(sample_scenario(), &ways[w]);
             samples_add(&plan_times, least_ms(plan_ms, &problem));
             samples_add(&quote_times, least_ms(quote_ms, &problem));
         }
@@ -388,7 +388,7 @@ static ssv_thrusts_t thrusts_of(const ssv_problem_t* problem, const ssv_leg_t* l
     ssv_thrusts_t thrusts;
     const ssv_assembly_t assembly = {&problem->scenario.vehicle,
                                      leg->phase == SSV_TRANSFER ? &problem->scenario.beam : NULL, plan.X_SB};
-    ssv_move_thrusts(problem, &assembly, (ssv_twist_t){leg->v_S, leg->w_S}, &thrusts);
+    ssv_maneuver_thrusts(problem, &assembly, (ssv_twist_t){leg->v_S, leg->w_S}, &thrusts);
     return thrusts;
 }
 
@@ -445,7 +445,7 @@ static void report_profiles(report_t* report, row_t* rows, int count) {
 
 /// The case study with the mating side that its tables took: three candidates, one chain each.
 static ssv_scenario_t case_study(bool ease) {
-    ssv_scenario_t scenario = task_case_study(ease);
+    ssv_scenario_t scenario = scenario_case_study(ease);
     scenario.ring_angle_given = true;
     scenario.ring_angle_rad = real_mul(REAL(-0.5), REAL_PI);
     return scenario;
@@ -536,7 +536,7 @@ static void report_case_study(report_t* report) {
         "over it");
     for (int ease = 0; ease < 2; ease++) {
         for (int w = 0; w < NUM_WEIGHTS; w++) {
-            ssv_scenario_t scenario = task_case_study(ease == 1);
+            ssv_scenario_t scenario = scenario_case_study(ease == 1);
             double J[NUM_WAYS];
             weigh(&scenario, w);
             for (int way = 0; way < NUM_WAYS; way++) J[way] = price(&scenario, &ways[way]);
@@ -594,7 +594,7 @@ static void report_ratios(report_t* report, const row_t* rows, int count) {
             for (int w = 0; w < NUM_WEIGHTS; w++) {
                 samples_t ratio = {0};
                 for (int k = 0; k < ways[way].priced_tasks; k++) {
-                    ssv_scenario_t scenario = model_task(k, ease == 1);
+                    ssv_scenario_t scenario = model_scenario(k, ease == 1);
                     weigh(&scenario, w);
                     samples_add(&ratio, price(&scenario, &ways[way]) / price(&scenario, &ways[PAPER]));
                 }

@@ -29,8 +29,9 @@ double calibrate_ms(void) {
 void samples_add(samples_t* samples, double value) {
     if (samples->count == samples->room) {
         samples->room = 2 * samples->room + 64;
-        samples->value = realloc(samples->value, (size_t)samples->room * sizeof *samples->value);
-        if (samples->value == NULL) abort();
+        double* longer = realloc(samples->value, (size_t)samples->room * sizeof *longer);
+        if (longer == NULL) abort();
+        samples->value = longer;
     }
     samples->value[samples->count++] = value;
 }

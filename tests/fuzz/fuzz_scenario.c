@@ -17,16 +17,44 @@
 
 static bool is_price(double x) { return isfinite(x) && x >= 0; }
 
-static bool is_near(double a, double b) { return fabs(a - b) <= 1e-9 * (fabs(a) + fabs(b)) + 1e-9; }
+// How far two ways to the same sum may lie apart, relative and absolute, and how far a price below its bound or a
+// thrust beyond its limit. A plan sums at most 128 segments and 8 legs, each rounded a few times; the double figures
+// are those of this project's other tests.
+#if defined(SSV_REAL_FLOAT)
+#define RELATIVE 3e-5 // 256 roundings of 2^-23
+#define ABSOLUTE 1e-6 // where the terms cancel, as a time since the start does, in seconds of a plan of one segment
+#define BOUND 3e-5
+#define LIMIT_ABSOLUTE ABSOLUTE
+#elif defined(SSV_REAL_FIXED)
+#define RELATIVE 1e-9
+#define ABSOLUTE 0x1p-24 // 256 roundings of 2^-32, whatever the size
+#define BOUND 1e-9
+#define LIMIT_ABSOLUTE ABSOLUTE
+#else
+#define RELATIVE 1e-9
+#define ABSOLUTE 1e-9
+#define BOUND 1e-12
+#define LIMIT_ABSOLUTE 0 // a thrust keeps to its limit, and a price to its bound, however small they are
+#endif
 
-/// Every price, with the sums that it is made of.
+static bool is_near(double a, double b) { return fabs(a - b) <= RELATIVE * (fabs(a) + fabs(b)) + ABSOLUTE; }
+
+/// Every price, with the sums that it is made of: of the weights as the planner's scalar holds them.
 static void check_price(const lcm_ssv_scenario_t* question, double time_s, double impulse_Ns, double cost) {
     CHECK(is_price(time_s) && is_price(impulse_Ns) && is_price(cost));
-    CHECK(is_near(cost, question->weight_time_per_s * time_s + question->weight_impulse_per_Ns * impulse_Ns));
+    const double per_s = real_to_double(real_from_double(question->weight_time_per_s));
+    const double per_Ns = real_to_double(real_from_double(question->weight_impulse_per_Ns));
+    const double sum = per_s * time_s + per_Ns * impulse_Ns;
+    // A weight enlarges the rounding of what it weighs.
+    CHECK(fabs(cost - sum) <= RELATIVE * (cost + sum) + ABSOLUTE * (1 + per_s + per_Ns));
 }
 
 static void check_candidates(const lcm_ssv_scenario_t* question, const lcm_ssv_quote_t* quote) {
     const bool is_ok = quote->status == LCM_SSV_QUOTE_T_STATUS_OK;
+    if (quote->status == LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW) {
+        CHECK(quote->num_candidates == 0 && quote->num_front == 0);
+        return;
+    }
     CHECK(quote->num_candidates >= 0 && quote->num_candidates <= SSV_MAX_CANDIDATES);
     CHECK((quote->num_candidates > 0) == (!is_ok || question->options.want_candidates != 0));
     for (int i = 0; i < quote->num_candidates; i++) {
@@ -63,8 +91,13 @@ static void check_quote(const lcm_ssv_scenario_t* question, const lcm_ssv_quote_
     const bool is_effort =
         options->effort == LCM_SSV_OPTIONS_T_EFFORT_QUICK || options->effort == LCM_SSV_OPTIONS_T_EFFORT_BEST;
     CHECK((is_method && is_effort) || quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID);
+#if !defined(SSV_REAL_FLOAT) && !defined(SSV_REAL_FIXED)
     CHECK(quote->status !=
           LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW); // what is within its range does not overflow a double
+#endif
+    if (quote->status != LCM_SSV_QUOTE_T_STATUS_OK) { // nothing is claimed
+        CHECK(quote->time_s == 0 && quote->impulse_Ns == 0 && quote->cost == 0 && quote->cost_lower_bound == 0);
+    }
     if (quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID) {
         CHECK(quote->num_candidates == 0 && quote->num_front == 0);
         return;
@@ -73,7 +106,8 @@ static void check_quote(const lcm_ssv_scenario_t* question, const lcm_ssv_quote_
     check_front(question, quote);
     if (quote->status == LCM_SSV_QUOTE_T_STATUS_OK) {
         check_price(question, quote->time_s, quote->impulse_Ns, quote->cost);
-        CHECK(is_price(quote->cost_lower_bound) && quote->cost_lower_bound <= quote->cost * (1 + 1e-12));
+        CHECK(is_price(quote->cost_lower_bound) &&
+              quote->cost_lower_bound <= quote->cost * (1 + BOUND) + LIMIT_ABSOLUTE * BOUND);
         CHECK(question->contact == 0 || quote->choice.contact == question->contact);
     }
 }
@@ -98,7 +132,7 @@ static void check_motion(const lcm_ssv_scenario_t* question, const lcm_ssv_plan_
         end_s = segment->t_s + segment->duration_s;
         CHECK(segment->leg >= 0 && segment->leg < plan->num_legs);
         for (int k = 0; k < SSV_NUM_THRUSTERS; k++) {
-            const double limit_N = question->vehicle.force_max_N * (1 + 1e-9);
+            const double limit_N = question->vehicle.force_max_N * (1 + RELATIVE) + LIMIT_ABSOLUTE;
             CHECK(fabs(segment->u_start_N[k]) <= limit_N && fabs(segment->u_end_N[k]) <= limit_N);
         }
     }
@@ -109,14 +143,24 @@ static void check_motion(const lcm_ssv_scenario_t* question, const lcm_ssv_plan_
 }
 
 static void check_status(ssv_status_t outcome, int8_t status) {
-    CHECK(status == (outcome == SSV_OK           ? LCM_SSV_QUOTE_T_STATUS_OK
-                     : outcome == SSV_INFEASIBLE ? LCM_SSV_QUOTE_T_STATUS_INFEASIBLE
-                                                 : LCM_SSV_QUOTE_T_STATUS_INVALID));
+    CHECK(status == (outcome == SSV_OK                 ? LCM_SSV_QUOTE_T_STATUS_OK
+                     : outcome == SSV_INFEASIBLE       ? LCM_SSV_QUOTE_T_STATUS_INFEASIBLE
+                     : outcome == SSV_NUMERIC_OVERFLOW ? LCM_SSV_QUOTE_T_STATUS_NUMERIC_OVERFLOW
+                                                       : LCM_SSV_QUOTE_T_STATUS_INVALID));
+}
+
+/// Fills the stack that the planner is about to use: what it reads there without writing it first is no zero by luck.
+__attribute__((noinline)) static void fill_stack(int filler) {
+    volatile uint8_t bytes[128 * 1024];
+    for (size_t i = 0; i < sizeof bytes; i++) {
+        bytes[i] = (uint8_t)filler;
+    }
 }
 
 /// Answers into memory full of `filler` and encodes. @return the number of bytes.
 static int plan_bytes(const lcm_ssv_scenario_t* question, ssv_answer_t* answer, int filler, uint8_t* bytes) {
     memset(answer, filler, sizeof *answer);
+    fill_stack(filler);
     check_status(ssv_answer(question, answer), answer->wire.quote.status);
     const int size = lcm_ssv_plan_t_encode(bytes, 0, SSV_PLAN_BYTES_MAX, &answer->wire);
     CHECK(size > 0 && size == lcm_ssv_plan_t_encoded_size(&answer->wire));
@@ -140,8 +184,11 @@ static void plan_one(const lcm_ssv_scenario_t* question, ssv_answer_t* answer) {
     }
 }
 
+static bool is_legal(const lcm_ssv_quote_t* quote) { return quote->status != LCM_SSV_QUOTE_T_STATUS_INVALID; }
+
 /// The quotes are sound and go with the plans; a plan whose first choice does not fit its memory may cost more.
-static void quote_all(const lcm_ssv_scenario_batch_t* batch, ssv_answer_t* answer) {
+/// @return whether every scenario is legal.
+static bool quote_all(const lcm_ssv_scenario_batch_t* batch, ssv_answer_t* answer) {
     static ssv_batch_answer_t quotes;
     static uint8_t bytes[SSV_QUOTE_BATCH_BYTES_MAX];
     memset(&quotes, 0xA5, sizeof quotes);
@@ -150,6 +197,7 @@ static void quote_all(const lcm_ssv_scenario_batch_t* batch, ssv_answer_t* answe
     CHECK(quotes.wire.request_id == batch->request_id && quotes.wire.epoch_us == batch->epoch_us);
     const int size = lcm_ssv_quote_batch_t_encode(bytes, 0, sizeof bytes, &quotes.wire);
     CHECK(size > 0 && size == lcm_ssv_quote_batch_t_encoded_size(&quotes.wire));
+    bool all_legal = true;
     for (int i = 0; i < batch->num_scenarios; i++) {
         lcm_ssv_scenario_t alone = batch->scenarios[i];
         const lcm_ssv_quote_t* quote = &quotes.quotes[i];
@@ -167,8 +215,14 @@ static void quote_all(const lcm_ssv_scenario_batch_t* batch, ssv_answer_t* answe
         } else {
             CHECK(quote->status != LCM_SSV_QUOTE_T_STATUS_INVALID);
         }
+        all_legal = all_legal && is_legal(quote);
     }
+    return all_legal;
 }
+
+static unsigned long long num_inputs, num_legal;
+
+static void print_shares(void) { fprintf(stderr, "stat::legal_inputs: %llu of %llu\n", num_legal, num_inputs); }
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
@@ -176,10 +230,14 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     static ssv_answer_t answer;
     static lcm_ssv_scenario_t scenarios[SSV_MAX_BATCH];
     lcm_ssv_scenario_batch_t batch;
+    if (num_inputs++ == 0) {
+        atexit(print_shares);
+    }
     if (ssv_scenario_batch_decode(data, size, scenarios, &batch)) {
-        quote_all(&batch, &answer);
+        num_legal += quote_all(&batch, &answer);
     } else if (size <= INT32_MAX && lcm_ssv_scenario_t_decode(data, 0, (int)size, &scenarios[0]) == (int)size) {
         plan_one(&scenarios[0], &answer);
+        num_legal += is_legal(&answer.wire.quote);
     }
     return 0;
 }

@@ -1,11 +1,12 @@
-// Writes the shipped scenarios, by each method and effort, as the bytes that go over LCM, one file each, some with
-// candidates and front, and batches of two ways: where the fuzzer starts from.
+// Writes where the fuzzer starts from, as the bytes that go over LCM, one file each: the shipped scenarios by each
+// method and effort, some with candidates and front, batches of two ways, and scenarios at the edges of what is legal.
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "lcm_ssv_scenario_batch_t.h"
+#include "scenario_fields.h"
 #include "scenario_file.h"
 
 #define NUM_WAYS 4
@@ -14,11 +15,13 @@ static bool write_file(const char* folder, const char* kind, int number, const u
     char path[4096];
     snprintf(path, sizeof path, "%s/%s%d", folder, kind, number);
     FILE* file = fopen(path, "wb");
-    if (file == NULL || size < 0 || fwrite(bytes, 1, (size_t)size, file) != (size_t)size || fclose(file) != 0) {
-        perror(path);
-        return false;
+    bool written = false;
+    if (file != NULL) {
+        written = size >= 0 && fwrite(bytes, 1, (size_t)size, file) == (size_t)size;
+        written = fclose(file) == 0 && written;
     }
-    return true;
+    if (!written) perror(path);
+    return written;
 }
 
 /// One scenario in each way, and a batch of two of them: by effort quick, and by the paper with a front.
@@ -42,11 +45,105 @@ static bool write_scenario(const char* folder, int number, const lcm_ssv_scenari
     return write_file(folder, "batch", number, bytes, lcm_ssv_scenario_batch_t_encode(bytes, 0, sizeof bytes, &batch));
 }
 
+static bool write_edge(const char* folder, int* number, lcm_ssv_scenario_t* scenario) {
+    uint8_t bytes[4096];
+    scenario_repair(scenario);
+    return write_file(folder, "edge", (*number)++, bytes, lcm_ssv_scenario_t_encode(bytes, 0, sizeof bytes, scenario));
+}
+
+static void set_drag(lcm_ssv_body_t* body, double drag) {
+    body->drag_lin_kg_s = body->drag_quad_kg_m = body->drag_lin_ang_Nm_s = body->drag_quad_ang_Nm_s2 = drag;
+}
+
+/// The smallest and the largest value of every field, one at a time.
+static bool write_ends(const char* folder, int* number, const lcm_ssv_scenario_t* scenario) {
+    for (int k = 0; k < 2 * num_scenario_fields; k++) {
+        const scenario_field_t* field = &scenario_fields[k / 2];
+        lcm_ssv_scenario_t edge = *scenario;
+        for (int i = 0; i < field->count; i++) {
+            scenario_field_of(&edge, field)[i] = k % 2 ? field->max : field->min;
+        }
+        edge.options.ring_angle_given = strcmp(field->name, "options.ring_angle_rad") == 0;
+        if (!write_edge(folder, number, &edge)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// Several extremes at once.
+static bool write_corners(const char* folder, int* number, const lcm_ssv_scenario_t* scenario) {
+    enum {
+        TINY_WEIGHTS,
+        TIME_ALONE,
+        IMPULSE_ALONE,
+        NO_DRAG,
+        ALL_DRAG,
+        COINCIDENT,
+        NEARLY,
+        FAR,
+        ENDS,
+        LONG_BEAM,
+        COUNT
+    };
+    for (int k = 0; k < COUNT; k++) {
+        lcm_ssv_scenario_t edge = *scenario;
+        const int places = k == COINCIDENT ? 0 : k == NEARLY ? 1 : 2;
+        switch (k) {
+            case TINY_WEIGHTS: edge.weight_time_per_s = edge.weight_impulse_per_Ns = 1e-6; break;
+            case TIME_ALONE: edge.weight_impulse_per_Ns = 0; break;
+            case IMPULSE_ALONE: edge.weight_time_per_s = 0; break;
+            case NO_DRAG:
+            case ALL_DRAG:
+                set_drag(&edge.vehicle.body, k == NO_DRAG ? 0 : 100000);
+                set_drag(&edge.beam.body, k == NO_DRAG ? 0 : 100000);
+                edge.beam.drag_strip_kg_m2 = k == NO_DRAG ? 0 : 100000;
+                break;
+            case COINCIDENT:
+            case NEARLY:
+            case FAR:
+                for (int i = 0; i < 3; i++) {
+                    const double apart_m[] = {0, 1e-7, 1000};
+                    edge.X_IS.p_m[i] = -apart_m[places];
+                    edge.X_IB.p_m[i] = 0;
+                    edge.port.p_IP_m[i] = apart_m[places];
+                }
+                break;
+            case ENDS:
+                edge.options.num_attach_heights = 2;
+                edge.options.attach_heights_m[0] = edge.beam.length_m / 2;
+                edge.options.attach_heights_m[1] = -edge.beam.length_m / 2;
+                break;
+            default: // a strong vehicle holds a long beam far from its centre, in water that hardly lets it move
+                set_drag(&edge.vehicle.body, 0);
+                edge.vehicle.body.drag_lin_kg_s = 400;
+                edge.vehicle.body.drag_quad_ang_Nm_s2 = 2;
+                edge.vehicle.force_max_N = 10000;
+                set_drag(&edge.beam.body, 0);
+                edge.beam.body.drag_quad_kg_m = 100000;
+                edge.beam.drag_strip_kg_m2 = 67;
+                edge.beam.length_m = 100;
+                edge.weight_time_per_s = 0;
+                edge.weight_impulse_per_Ns = 1e-3;
+                edge.options.num_attach_heights = 4;
+                for (int i = 0; i < 4; i++) {
+                    edge.options.attach_heights_m[i] = 20 * (i - 1.5);
+                }
+                break;
+        }
+        if (!write_edge(folder, number, &edge)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 int main(int argc, char** argv) {
     if (argc < 4) {
         fprintf(stderr, "Usage: make_corpus MODELS_DIR OUTPUT_DIR SCENARIO.yaml...\n");
         return 64;
     }
+    int num_edges = 0;
     for (int i = 3; i < argc; i++) {
         lcm_ssv_scenario_t scenario;
         char error[1024];
@@ -55,7 +152,8 @@ int main(int argc, char** argv) {
             fprintf(stderr, "%s\n", error);
             return EXIT_FAILURE;
         }
-        if (!write_scenario(argv[2], i - 3, &scenario)) {
+        if (!write_scenario(argv[2], i - 3, &scenario) || !write_corners(argv[2], &num_edges, &scenario) ||
+            (i == 3 && !write_ends(argv[2], &num_edges, &scenario))) {
             return EXIT_FAILURE;
         }
     }

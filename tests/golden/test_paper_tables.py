@@ -26,7 +26,7 @@ STEP = 0.01
 
 
 def plan(scenario):
-    done = subprocess.run([BIN / "ssv", "plan", "/dev/stdin", "--method", "paper", "--format", "json"],
+    done = subprocess.run([BIN / "ssv", "plan", "-", "--method", "paper", "--format", "json"],
                           input=scenario, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
@@ -106,18 +106,18 @@ def inputs():
     s = case_study("1")["scenario"]
     ring, length = (0.0606, 0.0606 - 0.0063), 3.048
     squares = ring[0] ** 2 + ring[1] ** 2
-    start = {"SSV": s["X_IS"]["p_IS_m"], "beam": s["X_IB"]["p_IB_m"]}
+    start = {"SSV": s["X_IS"]["p_m"], "beam": s["X_IB"]["p_m"]}
     hub = [p - 0.381 * a for p, a in zip(s["port"]["p_IP_m"], s["port"]["axis_I"])]
     values = {
-        ("1", "mass", "SSV"): s["vehicle"]["mass_kg"],
-        ("1", "mass", "beam"): s["beam"]["mass_kg"],
+        ("1", "mass", "SSV"): s["vehicle"]["body"]["mass_kg"],
+        ("1", "mass", "beam"): s["beam"]["body"]["mass_kg"],
         ("1", "radius", "SSV"): s["vehicle"]["radius_m"],
         ("1", "radius", "beam"): s["beam"]["radius_m"],
         ("1", "length", "beam"): s["beam"]["length_m"],
         ("1", "length", "hub"): math.dist(hub_port(1), [0, 0, 0]),
-        ("1", "drag, rotation", "SSV"): s["vehicle"]["drag_quad_ang_Nm_s2"],
-        ("1", "drag, translation", "SSV"): s["vehicle"]["drag_lin_kg_s"],
-        ("1", "inertia", "SSV"): s["vehicle"]["inertia_kg_m2"][0],
+        ("1", "drag, rotation", "SSV"): s["vehicle"]["body"]["drag_quad_ang_Nm_s2"],
+        ("1", "drag, translation", "SSV"): s["vehicle"]["body"]["drag_lin_kg_s"],
+        ("1", "inertia", "SSV"): s["vehicle"]["body"]["inertia_kg_m2"][0],
         ("1", "inertia, transverse", "beam"): M_B * (3 * squares + length**2) / 12,
         ("1", "inertia, axial", "beam"): M_B * squares / 2,
     }
@@ -129,7 +129,7 @@ def inputs():
         values["4", f"position, {axis}", "hub"] = hub[k]
         values["4", f"port, {axis}", "hub"] = s["port"]["p_IP_m"][k]
         values["4", f"port axis, {axis}", "hub"] = s["port"]["axis_I"][k]
-        values["4", f"contact 1, {axis}", "beam"] = s["X_IB"]["p_IB_m"][k] - (length / 2 if axis == "x" else 0)
+        values["4", f"contact 1, {axis}", "beam"] = s["X_IB"]["p_m"][k] - (length / 2 if axis == "x" else 0)
     return values
 
 
@@ -146,7 +146,7 @@ def value(row):
     if table in ("1", "2", "4"):
         return inputs().get((table, name, attachment))
     if (table, name) == ("5", "time of translation, y"):
-        return sideways()["legs"][0]["duration_s"]
+        return sideways()["plan"]["legs"][0]["duration_s"]
     if (table, name) == ("6", "time of translation, x"):
         return at_terminal_speed(demo.our_values(case_study(attachment))["6", "translation to hub, x"], 2 * F_MAX)
     return demo.our_values(case_study(attachment)).get((table, name))
@@ -207,8 +207,8 @@ class PaperTables(unittest.TestCase):
 
     def test_translation_times_are_those_of_the_exact_solution(self):
         for attachment, exact in (("1", 225.162), ("2", 172.624), ("3", 120.086)):
-            self.assertAlmostEqual(case_study(attachment)["legs"][0]["duration_s"] / exact, 1, delta=1e-4)
-        self.assertAlmostEqual(sideways()["legs"][0]["duration_s"] / 10.6837, 1, delta=1e-4)
+            self.assertAlmostEqual(case_study(attachment)["plan"]["legs"][0]["duration_s"] / exact, 1, delta=1e-4)
+        self.assertAlmostEqual(sideways()["plan"]["legs"][0]["duration_s"] / 10.6837, 1, delta=1e-4)
 
     def test_table_5_times_follow_from_table_3(self):
         for stroke, printed in ((6.524, 225.1518), (5, 172.6138), (3.476, 120.0758), (0.3025, 10.6733)):
@@ -217,7 +217,7 @@ class PaperTables(unittest.TestCase):
     def test_quarter_turn_in_2_10_s_is_out_of_reach_even_without_drag(self):
         without_drag = 2 * math.sqrt(math.pi / 2 / (2 * F_MAX * R_S / I_S))
         self.assertAlmostEqual(without_drag, 2.162, delta=5e-4)
-        self.assertGreater(case_study("1")["legs"][1]["duration_s"], without_drag)
+        self.assertGreater(case_study("1")["plan"]["legs"][1]["duration_s"], without_drag)
 
     def test_table_6_turns_follow_from_the_printed_beam_inertia_and_the_vehicles_drag_alone_within_1_6_percent(self):
         w_t, reduced = math.sqrt(2 * F_MAX * R_S / C_W), M_S * M_B / (M_S + M_B)
@@ -244,7 +244,7 @@ class PaperTables(unittest.TestCase):
             self.assertAlmostEqual(fuel, printed["7", "total fuel", a], delta=0.1)  # printed to a tenth
 
     def test_full_wrench_agrees_with_the_paper_that_fuel_favours_the_far_end_and_time_the_middle(self):
-        costs = {a: case_study(a)["cost"] for a in "123"}
+        costs = {a: case_study(a)["plan"]["quote"] for a in "123"}
         self.assertEqual(min(costs, key=lambda a: costs[a]["impulse_Ns"]), "1")
         self.assertEqual(min(costs, key=lambda a: costs[a]["time_s"]), "2")
 

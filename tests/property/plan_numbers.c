@@ -12,8 +12,8 @@
 #include <stdlib.h>
 
 #include "planner/motion/maneuver.h"
+#include "sample.h"
 #include "shipped.h"
-#include "tasks.h"
 
 #define NUM_SHIPPED ((int)(sizeof shipped / sizeof *shipped))
 
@@ -72,8 +72,8 @@ static void print_plan(const ssv_scenario_t* scenario, const ssv_plan_t* plan) {
 }
 
 static ssv_scenario_t task(uint64_t seed, int i, int method) {
-    task_seed(seed + (uint64_t)i);
-    ssv_scenario_t scenario = i < NUM_SHIPPED ? shipped[i].scenario : task_random();
+    sample_seed(seed + (uint64_t)i);
+    ssv_scenario_t scenario = i < NUM_SHIPPED ? shipped[i].scenario : sample_scenario();
     scenario.method = (ssv_method_t)method;
     scenario.want_candidates = false;
     return scenario;
@@ -122,13 +122,14 @@ static bool read_pose(char** at, pose_t* X) {
     return true;
 }
 
-static bool read_move(char** at, ssv_move_t* move) {
+static bool read_maneuver(char** at, ssv_maneuver_t* maneuver) {
     pose_t X_IS_end;
     real_t kinds[2];
     if (!read_pose(at, &X_IS_end) || !read_reals(at, kinds, 2)) return false;
-    move->phase = (ssv_phase_t)real_to_double(kinds[0]);
-    move->kind = (ssv_leg_kind_t)real_to_double(kinds[1]);
-    return read_vec3(at, &move->twist.v) && read_vec3(at, &move->twist.w) && read_reals(at, &move->length, 1);
+    maneuver->phase = (ssv_phase_t)real_to_double(kinds[0]);
+    maneuver->kind = (ssv_leg_kind_t)real_to_double(kinds[1]);
+    return read_vec3(at, &maneuver->twist.v) && read_vec3(at, &maneuver->twist.w) &&
+           read_reals(at, &maneuver->length, 1);
 }
 
 // What a line says before the pose of the beam on the vehicle.
@@ -144,14 +145,14 @@ static bool price_motion(char* line, uint64_t seed, int method) {
     const ssv_scenario_t scenario = task(seed, i, method);
     if (ssv_problem_init(&problem, &scenario, &fault) != SSV_OK) return false;
     const ssv_question_t question = ssv_question_of(&problem);
-    ssv_move_t move;
-    while (read_move(&line, &move)) {
-        const ssv_beam_t* beam = move.phase == SSV_TRANSFER ? &problem.scenario.beam : NULL;
+    ssv_maneuver_t maneuver;
+    while (read_maneuver(&line, &maneuver)) {
+        const ssv_beam_t* beam = maneuver.phase == SSV_TRANSFER ? &problem.scenario.beam : NULL;
         const ssv_assembly_t assembly = {&problem.scenario.vehicle, beam, X_SB};
         ssv_thrusts_t thrusts;
         ssv_ramp_t ramp;
-        ssv_move_thrusts(&problem, &assembly, move.twist, &thrusts);
-        const ssv_price_t price = ssv_move_price(&question, &move, &thrusts, &ramp);
+        ssv_maneuver_thrusts(&problem, &assembly, maneuver.twist, &thrusts);
+        const ssv_price_t price = ssv_maneuver_price(&question, &maneuver, &thrusts, &ramp);
         if (price.outcome != SSV_FEASIBLE) return false;
         cost += price.cost;
         time_s += price.time_s;

@@ -3,11 +3,11 @@
 #include <stdio.h>
 
 #include "flight.h"
+#include "sample.h"
 #include "sweep.h"
-#include "tasks.h"
 #include "unity.h"
 
-// Case k of a sweep starts with task_seed(SEED + k).
+// Case k of a sweep starts with sample_seed(SEED + k).
 #define SEED 20261123
 #define MAX_FLIGHTS 1000
 // Half the step moves the end by less than a micrometre, of an unstable flight by less than 0.1 mm; flights of hours
@@ -24,7 +24,7 @@ void setUp(void) {}
 void tearDown(void) {}
 
 static const char* say(const char* what, int k) {
-    (void)snprintf(text, sizeof text, "%s, task_seed(%d)", what, SEED + k);
+    (void)snprintf(text, sizeof text, "%s, sample_seed(%d)", what, SEED + k);
     return text;
 }
 
@@ -41,11 +41,11 @@ static void fly(ssv_method_t method, double step_s, int k, flown_t* flown) {
     ssv_work_t work;
     ssv_fault_t fault;
     replay_flight_t flight;
-    task_seed(SEED + (uint64_t)k);
-    ssv_scenario_t s = task_random();
+    sample_seed(SEED + (uint64_t)k);
+    ssv_scenario_t s = sample_scenario();
     // The bodies of the model as they are: what open-loop flight is promised for.
-    s.vehicle = task_vehicle();
-    s.beam = task_beam(true);
+    s.vehicle = model_vehicle();
+    s.beam = model_beam(true);
     s.method = method;
     flown->planned = ssv_problem_init(&problem, &s, &fault) == SSV_OK && ssv_plan(&problem, &work, &plan) == SSV_OK;
     if (!flown->planned) return;

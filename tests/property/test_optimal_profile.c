@@ -14,8 +14,8 @@
 #include <string.h>
 
 #include "planner/profile/profile.h"
+#include "sample.h"
 #include "sweep.h"
-#include "tasks.h"
 #include "unity.h"
 
 #define N SSV_NUM_THRUSTERS
@@ -284,25 +284,26 @@ static const ssv_thrusts_t cancelling = {
 // Six unequal thrusters, inertia and drag over three decades; some do not act, some mirror each other, some feel no
 // drag.
 static ssv_thrusts_t random_thrusts(void) {
-    const double inertia = pow(10, task_between(-1, 2));
-    const double linear = task_below(4) == 0 ? 0 : inertia * pow(10, task_between(-1.5, 1.5));
-    const double quadratic = task_below(4) == 0 ? 0 : inertia * pow(10, task_between(-1.5, 1.5));
+    const double inertia = pow(10, sample_between(-1, 2));
+    const double linear = sample_below(4) == 0 ? 0 : inertia * pow(10, sample_between(-1.5, 1.5));
+    const double quadratic = sample_below(4) == 0 ? 0 : inertia * pow(10, sample_between(-1.5, 1.5));
     ssv_thrusts_t t = {.force_max_N = FORCE};
     for (int i = 0; i < N; i++) {
-        const double share = task_between(-1, 1); // of inertia and, for most thrusters, of the drag against the motion
-        const bool against = task_below(4) > 0;
-        t.accel[i] = task_below(8) == 0 ? 0 : inertia * share;
-        t.linear[i] = linear * (against ? share * task_between(0.2, 1) : 0.3 * task_between(-1, 1));
-        t.quadratic[i] = quadratic * (against ? share * task_between(0.2, 1) : 0.3 * task_between(-1, 1));
+        const double share =
+            sample_between(-1, 1); // of inertia and, for most thrusters, of the drag against the motion
+        const bool against = sample_below(4) > 0;
+        t.accel[i] = sample_below(8) == 0 ? 0 : inertia * share;
+        t.linear[i] = linear * (against ? share * sample_between(0.2, 1) : 0.3 * sample_between(-1, 1));
+        t.quadratic[i] = quadratic * (against ? share * sample_between(0.2, 1) : 0.3 * sample_between(-1, 1));
         // Next to no drag, no drag but for rounding, and none.
-        if (task_below(8) == 0) {
+        if (sample_below(8) == 0) {
             static const double left[] = {1e-4, 1e-8, 1e-16, 0};
-            const double keep = left[task_below(4)];
+            const double keep = left[sample_below(4)];
             t.linear[i] *= keep;
             t.quadratic[i] *= keep;
         }
     }
-    if (task_below(4) == 0) {
+    if (sample_below(4) == 0) {
         for (int i = 0; i < N; i += 2) {
             t.accel[i + 1] = -t.accel[i];
             t.linear[i + 1] = -t.linear[i];
@@ -314,17 +315,17 @@ static ssv_thrusts_t random_thrusts(void) {
 
 static leg_t random_leg(int n) {
     static const double weights[][2] = {{1, 0}, {1, 0.1}, {1, 1}, {0.01, 1}};
-    leg_t leg = {.distance = pow(10, task_between(-2, 1.5))};
+    leg_t leg = {.distance = pow(10, sample_between(-2, 1.5))};
     double inertia = 0;
     while (inertia == 0) {
         leg.thrusts = random_thrusts();
         for (int i = 0; i < N; i++) inertia += fabs(leg.thrusts.accel[i]);
     }
-    const double w2 = pow(10, task_between(-2, 2)), w1 = w2 * pow(10, task_between(-2.9, 2));
+    const double w2 = pow(10, sample_between(-2, 2)), w1 = w2 * pow(10, sample_between(-2.9, 2));
     leg.w1 = n % 5 < 4 ? weights[n % 5][0] : w1;
     leg.w2 = n % 5 < 4 ? weights[n % 5][1] : w2;
-    const double cap = top_speed(&leg) * task_between(0.05, 1);
-    leg.cap = task_below(4) == 0 ? cap : 0;
+    const double cap = top_speed(&leg) * sample_between(0.05, 1);
+    leg.cap = sample_below(4) == 0 ? cap : 0;
     const double top = top_speed(&leg),
                  cruise = golden(cruise_price, &leg, 0, top, 60); // no leg longer than a plan may take
     leg.distance = fmin(leg.distance, 0.5 * (double)SSV_DURATION_MAX_S * cruise);
@@ -418,7 +419,7 @@ static void test_the_two_oracles_agree(void) {
         {without_drag, 0.1, 1, 0.05, 2.5}, {cancelling, 1, 1, 0, 0.3},        {cancelling, 0.1, 1, 0, 3},
     };
     for (int n = 0; n < (int)(sizeof legs / sizeof *legs); n++) agree(-1 - n, &legs[n]);
-    task_seed((uint64_t)seed);
+    sample_seed((uint64_t)seed);
     for (int n = 0; n < 12; n++) {
         const leg_t leg = random_leg(n);
         agree(n, &leg);
@@ -427,7 +428,7 @@ static void test_the_two_oracles_agree(void) {
 
 static void test_legs_cost_what_the_oracle_says(void) {
     double worst = 0;
-    task_seed((uint64_t)seed);
+    sample_seed((uint64_t)seed);
     for (int n = 0; n < NUM_LEGS; n++) {
         const leg_t leg = leg_of(n);
         TEST_ASSERT_EQUAL_INT_MESSAGE(SSV_FEASIBLE, solve(&leg), name_of(n, &leg));
@@ -438,27 +439,27 @@ static void test_legs_cost_what_the_oracle_says(void) {
     printf("seed %d: %d legs, largest difference in J %.1e\n", seed, NUM_LEGS, worst);
 }
 
-// What the pieces say must be so: they join, cover the distance within every limit, and take what is claimed.
+// What the arcs say must be so: they join, cover the distance within every limit, and take what is claimed.
 static void test_legs_join_keep_their_limits_and_add_up(void) {
-    task_seed((uint64_t)seed);
+    sample_seed((uint64_t)seed);
     for (int n = 0; n < NUM_LEGS; n++) {
         const leg_t leg = leg_of(n);
         const ssv_thrusts_t* t = &leg.thrusts;
         const char* name = name_of(n, &leg);
         TEST_ASSERT_EQUAL_INT_MESSAGE(SSV_FEASIBLE, solve(&leg), name);
         double time = 0, distance = 0, impulse = 0, speed = 0;
-        for (int k = 0; k < profile.num_pieces; k++) {
-            const ssv_piece_t* piece = &profile.piece[k];
-            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * profile.duration_s, time, piece->t_s, name);
-            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-5 * leg.distance, distance, piece->s, name);
-            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-12 * profile.peak_speed, speed, piece->v_start, name);
-            TEST_ASSERT_TRUE_MESSAGE(piece->duration_s >= 0, name);
+        for (int k = 0; k < profile.num_arcs; k++) {
+            const ssv_arc_t* arc = &profile.arc[k];
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * profile.duration_s, time, arc->t_s, name);
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-5 * leg.distance, distance, arc->s, name);
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-12 * profile.peak_speed, speed, arc->v_start, name);
+            TEST_ASSERT_TRUE_MESSAGE(arc->duration_s >= 0, name);
             const int steps = 200;
-            double t_from = 0, v_from = piece->v_start;
+            double t_from = 0, v_from = arc->v_start;
             for (int j = 1; j <= steps; j++) {
-                const double x = (double)j / steps, t_to = piece->duration_s * x * x * (3 - 2 * x), h = t_to - t_from;
-                const double v = ssv_piece_speed(piece, t_from + h / 2), v_to = ssv_piece_speed(piece, t_to);
-                const double a = piece->law[0] + v * (piece->law[1] + v * piece->law[2]);
+                const double x = (double)j / steps, t_to = arc->duration_s * x * x * (3 - 2 * x), h = t_to - t_from;
+                const double v = ssv_arc_speed(arc, t_from + h / 2), v_to = ssv_arc_speed(arc, t_to);
+                const double a = arc->dv_dt[0] + v * (arc->dv_dt[1] + v * arc->dv_dt[2]);
                 for (int i = 0; i < N; i++) {
                     TEST_ASSERT_TRUE_MESSAGE(fabs(t->accel[i] * a + drag(t, i, v)) <= FORCE * (1 + 1e-9), name);
                 }
@@ -467,8 +468,8 @@ static void test_legs_join_keep_their_limits_and_add_up(void) {
                 t_from = t_to;
                 v_from = v_to;
             }
-            speed = piece->v_end;
-            time += piece->duration_s;
+            speed = arc->v_end;
+            time += arc->duration_s;
             TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * profile.peak_speed, speed, v_from, name);
         }
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-12 * profile.peak_speed, 0, speed, name);
@@ -482,20 +483,20 @@ static void test_legs_join_keep_their_limits_and_add_up(void) {
 static void test_optimal_leg_never_costs_more_than_either_ramp_of_the_paper(void) {
     static ssv_profile_t ramped;
     int compared = 0;
-    task_seed((uint64_t)seed);
+    sample_seed((uint64_t)seed);
     for (int n = 0; n < NUM_LEGS; n++) {
         leg_t leg = leg_of(n);
         leg.cap = 0;
         TEST_ASSERT_EQUAL_INT_MESSAGE(SSV_FEASIBLE, solve(&leg), name_of(n, &leg));
-        const double cutoff = pow(10, task_between(-4, -1));
+        const double cutoff = pow(10, sample_between(-4, -1));
         for (int ramp = SSV_FULL_REVERSE; ramp <= SSV_DRAG_ONLY; ramp++) {
             const ssv_rule_t rule = {.ramp = (ssv_ramp_t)ramp, .cutoff = cutoff};
             if (ssv_profile_solve(&leg.thrusts, &rule, leg.distance, &ramped) != SSV_FEASIBLE) continue;
             compared++;
             double covered = 0;
-            for (int k = 0; k < ramped.num_pieces; k++) {
-                const ssv_piece_t* p = &ramped.piece[k];
-                covered += ssv_piece_moments(p, p->v_start, p->v_end, p->duration_s).distance;
+            for (int k = 0; k < ramped.num_arcs; k++) {
+                const ssv_arc_t* p = &ramped.arc[k];
+                covered += ssv_arc_moments(p, p->v_start, p->v_end, p->duration_s).distance;
             }
             TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-6 * leg.distance, leg.distance, covered, name_of(n, &leg));
             const double cost = leg.w1 * ramped.duration_s + leg.w2 * ramped.impulse_Ns;
@@ -578,7 +579,8 @@ static void test_leg_for_which_time_costs_nothing_still_ends(void) {
 }
 
 int main(void) {
-    if (getenv("SSV_SEED") != NULL) seed = atoi(getenv("SSV_SEED"));
+    const char* wanted = getenv("SSV_SEED");
+    if (wanted != NULL) seed = atoi(wanted);
     num_random = sweep_count(2000, 12000);
     UNITY_BEGIN();
     RUN_TEST(test_the_two_oracles_agree);

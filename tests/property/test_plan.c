@@ -2,7 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "tasks.h"
+#include "sample.h"
 #include "unity.h"
 
 #define SEED 20261123
@@ -26,9 +26,9 @@ static void solve(const ssv_scenario_t* s, ssv_plan_t* p) {
 }
 
 static void test_claimed_poses_meet_the_task(void) {
-    task_seed(SEED + 1);
+    sample_seed(SEED + 1);
     for (int k = 0; k < times(500); k++) {
-        ssv_scenario_t s = task_random();
+        ssv_scenario_t s = sample_scenario();
         name(k);
         s.method = k % 10 == 0 ? SSV_METHOD_OPTIMAL : SSV_METHOD_PAPER;
         solve(&s, &plan);
@@ -54,9 +54,9 @@ static void test_claimed_poses_meet_the_task(void) {
 
 static void test_timeline_is_contiguous_and_every_thrust_within_its_limit(void) {
     int most = 0;
-    task_seed(SEED + 2);
+    sample_seed(SEED + 2);
     for (int k = 0; k < times(500); k++) {
-        const ssv_scenario_t s = task_random();
+        const ssv_scenario_t s = sample_scenario();
         double t = 0;
         name(k);
         solve(&s, &plan);
@@ -76,9 +76,9 @@ static void test_timeline_is_contiguous_and_every_thrust_within_its_limit(void) 
 }
 
 static void test_either_contact_never_costs_more_than_a_given_one(void) {
-    task_seed(SEED + 5);
+    sample_seed(SEED + 5);
     for (int k = 0; k < times(300); k++) {
-        ssv_scenario_t s = task_random();
+        ssv_scenario_t s = sample_scenario();
         name(k);
         s.contact = 0;
         solve(&s, &plan);

@@ -1,11 +1,12 @@
 // What holds for the price of every task. SSV_LONG=1 runs the full sweeps.
 #include <stdio.h>
+#include <string.h>
 
+#include "sample.h"
 #include "sweep.h"
-#include "tasks.h"
 #include "unity.h"
 
-// Case k of a sweep starts with task_seed(SEED + k).
+// Case k of a sweep starts with sample_seed(SEED + k).
 #define SEED 20261123
 // One task in so many is searched with effort best, too.
 #define BEST_EVERY 50
@@ -31,7 +32,7 @@ static void expect(bool holds, int k, breaches_t* breaches) {
 
 static void assert_none(const char* what, breaches_t breaches) {
     char text[200];
-    (void)snprintf(text, sizeof text, "%s, first by task_seed(%d)", what, SEED + breaches.first);
+    (void)snprintf(text, sizeof text, "%s, first by sample_seed(%d)", what, SEED + breaches.first);
     TEST_ASSERT_EQUAL_INT_MESSAGE(0, breaches.count, text);
 }
 
@@ -40,6 +41,7 @@ static bool quote_of(const ssv_scenario_t* s, ssv_quote_t* quote) {
     ssv_problem_t problem;
     ssv_work_t work;
     ssv_fault_t fault;
+    memset(quote, 0, sizeof *quote); // all that is read of one that was refused
     return ssv_problem_init(&problem, s, &fault) == SSV_OK && ssv_quote(&problem, &work, quote) == SSV_OK;
 }
 
@@ -49,8 +51,8 @@ static double price(const ssv_scenario_t* s) {
 }
 
 static ssv_scenario_t task(int k, ssv_method_t method, ssv_effort_t effort) {
-    task_seed(SEED + (uint64_t)k);
-    ssv_scenario_t s = task_random();
+    sample_seed(SEED + (uint64_t)k);
+    ssv_scenario_t s = sample_scenario();
     s.method = method;
     s.effort = effort;
     return s;
@@ -145,10 +147,10 @@ static void change(ssv_method_t method, bool anywhere, int k, changes_t* result)
     ssv_scenario_t s = task(k, method, SSV_EFFORT_QUICK);
     s.attach_anywhere = anywhere;
     ssv_scenario_t changed[NUM_CHANGES] = {s, s, s, s};
-    const vec3_t p = task_vector(100);
-    changed[MOVED] = task_moved(&s, (pose_t){p, task_attitude()});
-    const task_axis_t vehicle_axis = task_below(2) == 0 ? TASK_Y : TASK_Z;
-    changed[MIRRORED] = task_mirrored(&s, vehicle_axis, (task_axis_t)task_below(3));
+    const vec3_t p = sample_vector(100);
+    changed[MOVED] = scenario_moved(&s, (pose_t){p, sample_attitude()});
+    const mirror_axis_t vehicle_axis = sample_below(2) == 0 ? MIRROR_Y : MIRROR_Z;
+    changed[MIRRORED] = scenario_mirrored(&s, vehicle_axis, (mirror_axis_t)sample_below(3));
     static const double factor[NUM_CHANGES] = {1, 1, 3, 4};
     const double J = price(&s);
     for (int n = 0; n < NUM_CHANGES; n++) {
@@ -176,7 +178,7 @@ static void check_invariance(const char* name, int count, void (*run)(int k, voi
         }
         printf("%s, %d tasks %s: price differs by %.1e at most, too much in %d", name, count, change_name[n], worst,
                changed[n].count);
-        if (changed[n].count > 0) printf(", first task_seed(%d)", SEED + changed[n].first);
+        if (changed[n].count > 0) printf(", first sample_seed(%d)", SEED + changed[n].first);
         printf("\n");
     }
     for (int n = 0; n < NUM_CHANGES; n++) assert_none(change_name[n], changed[n]);
@@ -232,7 +234,7 @@ static void free_height(int k, void* result) {
     f->bounded = f->bound <= quote.lower_bound;
     // The bound must hold for whichever height the asker might have given instead.
     s.num_attach_heights = 1;
-    s.attach_heights_m[0] = task_between(-end, end);
+    s.attach_heights_m[0] = sample_between(-end, end);
     s.method = SSV_METHOD_PAPER;
     f->paper = price(&s);
 }

@@ -3,7 +3,7 @@
 #include <stdio.h>
 
 #include "planner/profile/profile.h"
-#include "tasks.h"
+#include "sample.h"
 #include "unity.h"
 
 #define N SSV_NUM_THRUSTERS
@@ -18,21 +18,21 @@ void tearDown(void) {}
 
 // Six unequal thrusters; inertia and drag over four decades, mostly against the motion but not for every thruster.
 static ssv_thrusts_t random_thrusts(void) {
-    const double size = pow(10, task_between(-2, 2));
-    const double linear = task_below(5) == 0 ? 0 : pow(10, task_between(-2, 2));
-    const double quadratic = task_below(3) == 0 ? 0 : pow(10, task_between(-2, 2));
+    const double size = pow(10, sample_between(-2, 2));
+    const double linear = sample_below(5) == 0 ? 0 : pow(10, sample_between(-2, 2));
+    const double quadratic = sample_below(3) == 0 ? 0 : pow(10, sample_between(-2, 2));
     ssv_thrusts_t t;
     for (int i = 0; i < N; i++) {
-        t.accel[i] = task_below(10) == 0 ? 0 : size * task_between(-1, 1);
-        t.linear[i] =
-            task_below(10) < 7 ? t.accel[i] * linear * task_between(0, 1) : 0.3 * size * linear * task_between(-1, 1);
-        t.quadratic[i] = task_below(10) < 7 ? t.accel[i] * quadratic * task_between(0, 1)
-                                            : 0.3 * size * quadratic * task_between(-1, 1);
+        t.accel[i] = sample_below(10) == 0 ? 0 : size * sample_between(-1, 1);
+        t.linear[i] = sample_below(10) < 7 ? t.accel[i] * linear * sample_between(0, 1)
+                                           : 0.3 * size * linear * sample_between(-1, 1);
+        t.quadratic[i] = sample_below(10) < 7 ? t.accel[i] * quadratic * sample_between(0, 1)
+                                              : 0.3 * size * quadratic * sample_between(-1, 1);
     }
     // Thrusters that mirror each other agree but for rounding, and part only with the square of the speed.
-    if (task_below(3) == 0) {
+    if (sample_below(3) == 0) {
         t.accel[1] = t.accel[0];
-        t.linear[1] = t.linear[0] * (1 + task_between(-4e-16, 4e-16));
+        t.linear[1] = t.linear[0] * (1 + sample_between(-4e-16, 4e-16));
     }
     t.force_max_N = 6;
     return t;
@@ -69,14 +69,14 @@ static double least_total(const ssv_thrusts_t* t, double v, double low, double h
     return least;
 }
 
-static void assert_obeys_the_ramp(const ssv_thrusts_t* t, ssv_ramp_t ramp, const ssv_piece_t* piece, double v) {
-    const double a = piece->law[0] + v * (piece->law[1] + v * piece->law[2]);
+static void assert_obeys_the_ramp(const ssv_thrusts_t* t, ssv_ramp_t ramp, const ssv_arc_t* arc, double v) {
+    const double a = arc->dv_dt[0] + v * (arc->dv_dt[1] + v * arc->dv_dt[2]);
     double low, high;
     limits(t, v, &low, &high);
-    const double slack = 1e-6 * (high - low); // a probe 1e-9 of the top speed beyond a knot decides its law
-    if (piece->v_end > piece->v_start) {
+    const double slack = 1e-6 * (high - low); // arcs are compared 1e-9 of the top speed beyond a switch
+    if (arc->v_end > arc->v_start) {
         TEST_ASSERT_DOUBLE_WITHIN(slack, high, a);
-    } else if (piece->v_end == piece->v_start) {
+    } else if (arc->v_end == arc->v_start) {
         TEST_ASSERT_EQUAL_DOUBLE(0, a);
     } else if (ramp == SSV_FULL_REVERSE || v < CUTOFF) {
         TEST_ASSERT_DOUBLE_WITHIN(slack, low, a);
@@ -91,33 +91,33 @@ static void assert_obeys_the_ramp(const ssv_thrusts_t* t, ssv_ramp_t ramp, const
 
 static void test_random_legs_obey_their_ramp_and_add_up(void) {
     int feasible = 0;
-    task_seed(SEED);
+    sample_seed(SEED);
     for (int leg = 0; leg < LEGS; leg++) {
         const ssv_thrusts_t t = random_thrusts();
-        const ssv_ramp_t ramp = task_below(2) == 0 ? SSV_FULL_REVERSE : SSV_DRAG_ONLY;
-        const double stroke = pow(10, task_between(-2, 2));
+        const ssv_ramp_t ramp = sample_below(2) == 0 ? SSV_FULL_REVERSE : SSV_DRAG_ONLY;
+        const double stroke = pow(10, sample_between(-2, 2));
         char label[64];
         (void)snprintf(label, sizeof label, "seed %d, leg %d", SEED, leg);
         if (ssv_profile_solve(&t, &(ssv_rule_t){ramp, CUTOFF, 0, 0, 0}, stroke, &profile) != SSV_FEASIBLE) continue;
         feasible++;
         double distance = 0, impulse = 0, time = 0;
-        for (int k = 0; k < profile.num_pieces; k++) {
-            const ssv_piece_t* piece = &profile.piece[k];
-            // Long coasts change fast at first: steps that grow with the square of the time since the piece's start.
+        for (int k = 0; k < profile.num_arcs; k++) {
+            const ssv_arc_t* arc = &profile.arc[k];
+            // Long coasts change fast at first: steps that grow with the square of the time since the arc's start.
             const int steps = 20000;
-            double t_from = 0, v_from = piece->v_start;
+            double t_from = 0, v_from = arc->v_start;
             for (int n = 1; n <= steps; n++) {
-                const double x = (double)n / steps, t_to = piece->duration_s * x * x;
+                const double x = (double)n / steps, t_to = arc->duration_s * x * x;
                 const double middle = (t_from + t_to) / 2, h = t_to - t_from;
-                const double v = ssv_piece_speed(piece, middle), v_to = ssv_piece_speed(piece, t_to);
-                const double a = piece->law[0] + v * (piece->law[1] + v * piece->law[2]);
+                const double v = ssv_arc_speed(arc, middle), v_to = ssv_arc_speed(arc, t_to);
+                const double a = arc->dv_dt[0] + v * (arc->dv_dt[1] + v * arc->dv_dt[2]);
                 distance += h / 6 * (v_from + 4 * v + v_to);
                 impulse += h * total(&t, v, a);
-                if (n % 100 == 0) assert_obeys_the_ramp(&t, ramp, piece, v);
+                if (n % 100 == 0) assert_obeys_the_ramp(&t, ramp, arc, v);
                 t_from = t_to;
                 v_from = v_to;
             }
-            time += piece->duration_s;
+            time += arc->duration_s;
         }
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-6 * stroke, stroke, distance, label);
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9 * time, time, profile.duration_s, label);

@@ -43,7 +43,8 @@ def edited(text, *changes):
 def without_stamp(plan):
     """The answer without what differs from run to run by intent."""
     plan = json.loads(json.dumps(plan))
-    del plan["request_id"], plan["scenario"]["request_id"], plan["scenario"]["epoch_us"]
+    for part in (plan["scenario"], plan["quote"] if "quote" in plan else plan["plan"]["quote"]):
+        del part["request_id"], part["epoch_us"]
     return plan
 
 
@@ -85,19 +86,19 @@ class InFolder(unittest.TestCase):
         done = ssv("plan", path, "--format", "json", *arguments)
         self.assertEqual(done.returncode, 2, done)
         answer = json.loads(done.stdout)
-        self.assertEqual(list(answer), ["status", "reason"])
-        self.assertEqual(answer["status"], "invalid")
+        self.assertEqual(list(answer), ["plan"])
+        self.assertEqual(answer["plan"]["quote"]["status"], "invalid")
         for word in words:
-            self.assertIn(word, answer["reason"])
-            self.assertIn(word, done.stderr)
+            self.assertIn(word, answer["plan"]["quote"]["reason"])
+        self.assertEqual(done.stderr, f"ssv: {answer['plan']['quote']['reason']}\n")
 
 
 class BadInputTest(InFolder):
     def test_values_that_make_no_sense_are_refused_by_the_name_of_their_field(self):
         for change, field in [
-            (("p_IS_m: [0, 0, 0]", "p_IS_m: [0, .nan, 0]"), "vehicle.p_IS_m: nan"),
-            (("p_IB_m: [5, 0, 0]", "p_IB_m: [.inf, 0, 0]"), "beam.p_IB_m: inf"),
-            (("p_IP_m: [6.524, 5, 0]", "p_IP_m: [6.524, -.inf, 0]"), "port.p_IP_m: -inf"),
+            (("p_IS_m: [0, 0, 0]", "p_IS_m: [0, .nan, 0]"), ":6:15: vehicle.p_IS_m[1]: nan is not a finite number"),
+            (("p_IB_m: [5, 0, 0]", "p_IB_m: [.inf, 0, 0]"), "beam.p_IB_m[0]: inf is not a finite number"),
+            (("p_IP_m: [6.524, 5, 0]", "p_IP_m: [6.524, -.inf, 0]"), "port.p_IP_m[1]: -inf is not a finite number"),
             (("p_IP_m: [6.524, 5, 0]", "p_IP_m: [6.524, 5000, 0]"), "port.p_IP_m: 5000 is outside its range"),
             (("standoff_m: 0.3025", "standoff_m: 1e999"), "standoff_m: inf"),
             (("standoff_m: 0.3025", "standoff_m: 0"), "standoff_m: 0 is outside its range"),
@@ -107,7 +108,7 @@ class BadInputTest(InFolder):
             (("axis_I: [0, -1, 0]", "axis_I: [0, -1, 1]"), "port.axis_I: length"),
             (("{time: 1, impulse: 1}", "{time: -1, impulse: 1}"), "weights.time: -1"),
             (("{time: 1, impulse: 1}", "{time: 1, impulse: -0.5}"), "weights.impulse: -0.5"),
-            (("{time: 1, impulse: 1}", "{time: 0, impulse: 0}"), "weights: both are zero"),
+            (("{time: 1, impulse: 1}", "{time: 0, impulse: 0}"), "task.yaml:16:17: weights.time: both are zero"),
             (("ring_angle_rad: -1.57", "ring_angle_rad: -7.57"), "ring_angle_rad: -7.57"),
             (("model: paper", "model: paper\nattach_heights_m: [0, 1.6]"), "attach_heights_m[1]: 1.6 is outside its range"),
         ]:
@@ -116,15 +117,15 @@ class BadInputTest(InFolder):
 
     def test_a_model_that_makes_no_sense_is_refused_by_the_name_of_its_field(self):
         for change, field in [
-            (("mass_kg: 76.2", "mass_kg: 0"), "vehicle.mass_kg: 0 is outside its range"),
+            (("mass_kg: 76.2", "mass_kg: 0"), "mine.yaml:6:12: vehicle.mass_kg: 0 is outside its range"),
             (("mass_kg: 11.3636", "mass_kg: -1"), "beam.mass_kg: -1"),
-            (("[2.7, 2.7, 2.7]", "[2.7, .nan, 2.7]"), "vehicle.inertia_kg_m2: nan"),
+            (("[2.7, 2.7, 2.7]", "[2.7, .nan, 2.7]"), "mine.yaml:7:24: vehicle.inertia_kg_m2[1]: nan"),
             (("length_m: 3.048", "length_m: 0"), "beam.length_m: 0"),
             (("drag_strip_kg_m2: 66.66", "drag_strip_kg_m2: -1"), "beam.drag_strip_kg_m2: -1"),
             (("n_T_S: [1, 0, 0]", "n_T_S: [1, 1, 0]"), "vehicle.thrusters[0].n_T_S: length"),
-            (("n_T_S: [0, 1, 0]", "n_T_S: [1, 0, 0]"), "vehicle.thrusters"),
+            (("n_T_S: [0, 1, 0]", "n_T_S: [1, 0, 0]"), "mine.yaml:17:5: vehicle.thrusters: placed so that"),
             (("axis_H: [0.5, 0", "axis_H: [0.6, 0"), "hub.ports[0].axis_H: length"),
-            (("p_HP_m: [0.1905", "p_HP_m: [.nan"), "hub.ports[0].p_HP_m: nan"),
+            (("p_HP_m: [0.1905", "p_HP_m: [.nan"), "hub.ports[0].p_HP_m[0]: nan"),
         ]:
             with self.subTest(field):
                 self.assert_refused(self.scenario_with_model(change), field)
@@ -146,12 +147,12 @@ class BadInputTest(InFolder):
 
     def test_the_hub_is_checked_though_the_planner_never_sees_it(self):
         self.assert_refused(self.scenario(("q_IH: [1, 0, 0, 0]", "q_IH: [0, 0, 0, 0]"), base=PORT1), "hub.q_IH: length 0")
-        self.assert_refused(self.scenario(("p_IH_m: [5, 3, 0.5]", "p_IH_m: [5, .inf, 0.5]"), base=PORT1), "hub.p_IH_m: inf")
+        self.assert_refused(self.scenario(("p_IH_m: [5, 3, 0.5]", "p_IH_m: [5, .inf, 0.5]"), base=PORT1), "hub.p_IH_m[1]: inf")
 
     def test_an_unknown_a_missing_and_a_repeated_key_are_named_with_their_line(self):
         for change, words in [
-            (("standoff_m:", "standof_m:"), ["standof_m: unknown key", "task.yaml:15"]),
-            (("{time: 1, impulse: 1}", "{time: 1, impulse: 1, fuel: 2}"), ["weights.fuel: unknown key", "task.yaml:16"]),
+            (("standoff_m:", "standof_m:"), ["standof_m: unknown key; did you mean standoff_m?", "task.yaml:15:1: "]),
+            (("{time: 1, impulse: 1}", "{time: 1, impulse: 1, fuel: 2}"), ["weights.fuel: unknown key", "task.yaml:16:32: "]),
             (("  contact: 1\n", ""), ["beam.contact: this key is missing"]),
             (("{time: 1, impulse: 1}", "{}"), ["weights.", "this key is missing"]),
             (("model: paper\n", ""), ["model: this key is missing"]),
@@ -168,18 +169,18 @@ class BadInputTest(InFolder):
         for change, words in [
             (("n_T_S: [1, 0, 0]", "n_TS: [1, 0, 0]"), ["mine.yaml:", "vehicle.thrusters[0].n_TS: unknown key"]),
             (("  length_m: 3.048 ", "#"), ["mine.yaml:", "beam.length_m: this key is missing"]),
-            (("    - {p_ST_m: [0, -0.3025, 0], n_T_S: [0, 0, -1]}\n", ""), ["mine.yaml:", "vehicle.thrusters: 5 entries"]),
+            (("    - {p_ST_m: [0, -0.3025, 0], n_T_S: [0, 0, -1]}\n", ""), ["mine.yaml:", "vehicle.thrusters: 5 entries, there must be exactly 6"]),
             (("n_T_S: [1, 0, 0]", "n_T_S: [1, x, 0]"), ["mine.yaml:", "vehicle.thrusters[0].n_T_S[1]: 'x' is not a number"]),
         ]:
             with self.subTest(words[1]):
                 self.assert_refused(self.scenario_with_model(change), *words)
 
     def test_a_list_of_the_wrong_length_is_refused(self):
-        self.assert_refused(self.scenario(("[0, 0, 0, 1]", "[0, 0, 1]")), "vehicle.q_IS: 3 entries")
-        self.assert_refused(self.scenario(("[0, 0, 0, 1]", "[0, 0, 0, 1, 0]")), "vehicle.q_IS: more than 4 entries")
+        self.assert_refused(self.scenario(("[0, 0, 0, 1]", "[0, 0, 1]")), "vehicle.q_IS: 3 entries, there must be exactly 4")
+        self.assert_refused(self.scenario(("[0, 0, 0, 1]", "[0, 0, 0, 1, 0]")), "vehicle.q_IS: 5 entries, there must be exactly 4")
         none, nine = ("model: paper\nattach_heights_m: [" + ", ".join("0" * count) + "]" for count in (0, 9))
-        self.assert_refused(self.scenario(("model: paper", none)), "attach_heights_m: 0 entries")
-        self.assert_refused(self.scenario(("model: paper", nine)), "attach_heights_m: more than 8 entries")
+        self.assert_refused(self.scenario(("model: paper", none)), "attach_heights_m: 0 entries, there must be 1 to 8")
+        self.assert_refused(self.scenario(("model: paper", nine)), "attach_heights_m: 9 entries, there must be 1 to 8")
 
     def test_an_unknown_model_is_refused_with_the_names_there_are(self):
         self.assert_refused(self.scenario(("model: paper", "model: papper")), "model: 'papper'", "ease, paper")
@@ -201,7 +202,8 @@ class BadInputTest(InFolder):
         for name, content in contents.items():
             (self.folder / name).write_bytes(content)
         (self.folder / "folder.yaml").mkdir()
-        for name in [*contents, "folder.yaml", "absent.yaml"]:
+        os.mkfifo(self.folder / "fifo.yaml")
+        for name in [*contents, "folder.yaml", "fifo.yaml", "absent.yaml"]:
             with self.subTest(name):
                 self.assert_refused(self.folder / name, name)
 
@@ -210,6 +212,11 @@ class BadInputTest(InFolder):
         self.assertEqual(done.returncode, 2)
         self.assertNotIn("\x1b", done.stderr)
         self.assertEqual(done.stderr.count("\n"), 1)
+        steering = self.folder / "\x1b[31mred\x9b"
+        for arguments in (["plan", steering], ["quote", steering], ["plan", PAPER_CASE, "--output", steering / "x"]):
+            done = subprocess.run([BIN / "ssv", *arguments], capture_output=True, timeout=60)
+            self.assertNotIn(b"\x1b", done.stderr + done.stdout)
+            self.assertNotIn(b"\xc2\x9b", done.stderr + done.stdout)
 
     def test_quaternions_within_a_thousandth_of_unit_length_are_taken(self):
         self.assertEqual(ssv("plan", self.scenario(("[0, 0, 0, 1]", "[0, 0, 0, 1.0009]"))).returncode, 0)
@@ -219,15 +226,99 @@ class BadInputTest(InFolder):
         done = ssv("plan", path, "--format", "json")
         self.assertEqual(done.returncode, 3, done)
         answer = json.loads(done.stdout)
-        self.assertEqual(
-            list(answer), ["status", "reason", "request_id", "candidates", "scenario_hash", "scenario"])
-        self.assertEqual(answer["status"], "infeasible")
-        self.assertEqual(len(answer["candidates"]), 3)
-        for candidate in answer["candidates"]:
+        self.assertEqual(list(answer), ["scenario", "plan"])
+        quote = answer["plan"]["quote"]
+        self.assertEqual((quote["status"], quote["cost"], answer["plan"]["legs"]), ("infeasible", 0, []))
+        self.assertEqual(len(quote["candidates"]), 3)
+        for candidate in quote["candidates"]:
             self.assertIn("longest plan", candidate["reason"])
         done = ssv("plan", path)
         self.assertEqual(done.returncode, 3)
         self.assertEqual(done.stdout.count("not feasible: "), 3)
+
+
+class ModelTest(InFolder):
+    def test_a_forgotten_drag_key_is_refused_and_none_says_that_there_is_no_drag(self):
+        drag = "  drag_lin_kg_s: 413.685            # Table 1, C_dv; Table 5 follows the linear law\n"
+        self.assert_refused(self.scenario_with_model((drag, "")), "mine.yaml:6:3: vehicle.drag_lin_kg_s: this key is missing; "
+                            "give all 4 drag keys (0 is a value), or `drag: none` for a body that feels no water")
+        self.assert_refused(self.scenario_with_model(("  drag_strip_kg_m2: 66.66\n", "")),
+                            "mine.yaml:26:3: beam.drag_strip_kg_m2: this key is missing; give all 5 drag keys")
+        self.assert_refused(self.scenario_with_model((drag, "  drag: none\n")), "vehicle.drag_quad_kg_m: drag: none stands there")
+        self.assert_refused(self.scenario_with_model((drag, drag + "  drag: some\n")), "vehicle.drag: only none may stand here")
+        text = (HOST / "models" / "ease.yaml").read_text()
+        beam = re.search(r"  # Strip theory.*?drag_quad_ang_Nm_s2: 0\n", text, re.S)[0]
+        done = ssv("scenario", self.scenario_with_model((beam, "  drag: none\n")), "--format", "json")
+        beam = json.loads(done.stdout)["scenario"]["beam"]
+        self.assertEqual([value for key, value in (beam | beam["body"]).items() if key.startswith("drag_")], [0.0] * 5)
+
+    def test_added_mass_may_be_left_out_and_is_shown(self):
+        self.assertIn("added_mass_kg: [0, 0, 0]", ssv("scenario", PORT1).stdout)
+        path = self.scenario_with_model(("mass_kg: 76.2", "added_mass_kg: [1, 2, 3]\n  mass_kg: 76.2"))
+        self.assertIn("added_mass_kg: [1, 2, 3]", ssv("scenario", path).stdout)
+
+    def test_no_hub_is_needed_where_the_scenario_gives_the_port(self):
+        model = (HOST / "models" / "paper.yaml").read_text()
+        (self.folder / "mine.yaml").write_text(model[:model.index("# Table 2")])
+        self.assertEqual(ssv("plan", self.scenario(("model: paper", "model: mine.yaml"))).returncode, 0)
+        self.assert_refused(self.scenario(("model: ease", "model: mine.yaml"), base=PORT1), "mine.yaml:", "hub: this key is missing")
+
+    def test_a_file_that_is_no_model_is_not_repeated(self):
+        for content in ("secret: 1\n", "secret\n", "- secret\n", "secret: [\n", "Secret word: {\n", "secret:secret:0\nsecret\n"):
+            (self.folder / "mine.yaml").write_text(content)
+            done = ssv("plan", self.scenario(("model: paper", "model: mine.yaml")))
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("mine.yaml:", done.stderr)
+            self.assertNotIn("secret", done.stderr.lower())
+
+    def test_planner_s_faults_name_the_file_at_fault_and_the_element(self):
+        path = self.scenario_with_model(("n_T_S: [0, -1, 0]", "n_T_S: [0, -1.1, 0]"))
+        for command in ("plan", "quote"):
+            self.assertEqual(ssv(command, path).stderr, f"ssv: {self.folder}/mine.yaml:20:40: vehicle.thrusters[3].n_T_S: "
+                             "length 1.1 is not 1 within 0.001\n")
+
+
+class QuestionTest(InFolder):
+    """What ssv scenario, ssv plan and ssv quote write can be read again."""
+
+    def test_a_question_comes_back_the_same_by_every_way(self):
+        for path, method in itertools.product(SCENARIOS, METHODS):
+            with self.subTest(f"{path.stem} {method}"):
+                first = ssv("plan", path, *METHODS[method], "--format", "json").stdout
+                expected = without_stamp(json.loads(first))
+                again = {"a plan": first}
+                for form in ("yaml", "json"):
+                    again[form] = ssv("scenario", path, *METHODS[method], "--format", form).stdout
+                    twice = ssv("scenario", "-", "--format", form, input=again[form]).stdout
+                    self.assertEqual(twice, again[form])
+                for name, text in again.items():
+                    done = ssv("plan", "-", "--format", "json", input=text)
+                    self.assertEqual(done.returncode, 0, f"{name}: {done}")
+                    self.assertEqual(without_stamp(json.loads(done.stdout)), expected)
+
+    def test_a_plan_file_is_a_scenario_by_its_path(self):
+        file = self.folder / "plan.json"
+        self.assertEqual(ssv("plan", PORT1, "--format", "json", "--output", file).returncode, 0)
+        self.assertEqual(ssv("plan", file).stdout.splitlines()[1:], ssv("plan", PORT1).stdout.splitlines()[1:])
+
+    def test_a_message_is_held_to_its_fields(self):
+        whole = json.loads(ssv("scenario", PORT1, "--format", "json").stdout)
+        for change, words in [
+            (lambda s: s.pop("contact"), ["scenario.contact: this key is missing"]),
+            (lambda s: s.update(contct=1), ["scenario.contct: unknown key; did you mean contact?"]),
+            (lambda s: s["vehicle"]["thruster"][2].update(n_T_S=[1, 2]), ["scenario.vehicle.thruster[2].n_T_S: 2 entries"]),
+            (lambda s: s.update(contact=300), ["scenario.contact: 300 is outside [-128, 127]"]),
+            (lambda s: s.update(contact=1.5), ["scenario.contact: '1.5' is not a whole number"]),
+            (lambda s: s["options"].update(method="fast"), ["scenario.options.method: 'fast' is none of optimal, paper"]),
+            (lambda s: s["options"].update(want_front=1), ["scenario.options.want_front: '1' is none of false, true"]),
+            (lambda s: s["X_IS"]["p_m"].__setitem__(1, 5000), ["scenario.X_IS.p_m: 5000 is outside its range"]),
+        ]:
+            with self.subTest(words[0]):
+                changed = json.loads(json.dumps(whole))
+                change(changed["scenario"])
+                path = self.folder / "changed.json"
+                path.write_text(json.dumps(changed, indent=1))
+                self.assert_refused(path, "changed.json:", *words)
 
 
 class UsageTest(InFolder):
@@ -260,12 +351,13 @@ class UsageTest(InFolder):
                 self.assertIn("ssv", done.stderr)
 
     def test_help_has_examples_and_every_exit_code(self):
-        for command in ("plan", "quote"):
+        every = ["0", "1", "2", "3", "4", "5", "64"]
+        for command, expected in (("plan", every), ("quote", every), ("scenario", ["0", "1", "2", "64"])):
             done = ssv(command, "--help")
             self.assertEqual(done.returncode, 0)
             self.assertIn("Examples:", done.stdout)
             codes = [line.split()[0] for line in re.split("Exit codes.*:", done.stdout)[1].splitlines() if line.strip()]
-            self.assertEqual(sorted(code for code in codes if code.isdigit()), ["0", "1", "2", "3", "4", "5", "64"])
+            self.assertEqual(sorted(code for code in codes if code.isdigit()), expected)
             self.assertLessEqual(max(map(len, done.stdout.splitlines())), 80)
             self.assertIn(f"  {command} ", ssv("--help").stdout)
 
@@ -275,16 +367,17 @@ class UsageTest(InFolder):
 
     def test_weights_of_the_command_line_count_over_those_of_the_file(self):
         plan = json.loads(ssv("plan", PAPER_CASE, "--weights", "0.5,2e-1", "--format", "json").stdout)
-        self.assertEqual(plan["scenario"]["weights"], {"time": 0.5, "impulse": 0.2})
-        self.assertAlmostEqual(plan["cost"]["J"], 0.5 * plan["cost"]["time_s"] + 0.2 * plan["cost"]["impulse_Ns"], 9)
+        scenario, quote = plan["scenario"], plan["plan"]["quote"]
+        self.assertEqual((scenario["weight_time_per_s"], scenario["weight_impulse_per_Ns"]), (0.5, 0.2))
+        self.assertAlmostEqual(quote["cost"], 0.5 * quote["time_s"] + 0.2 * quote["impulse_Ns"], 9)
         done = ssv("plan", PAPER_CASE, "--weights", "-1,0")
         self.assertEqual(done.returncode, 2)
-        self.assertIn("weights.time: -1", done.stderr)
+        self.assertEqual(done.stderr, "ssv: --weights: weight_time_per_s: -1 is outside its range [0, 1000]\n")
 
     def test_method_and_effort_come_from_the_command_line_else_from_the_file_else_from_the_defaults_in_the_help(self):
         def used(path, *arguments):
             scenario = json.loads(ssv("plan", path, "--format", "json", *arguments).stdout)["scenario"]
-            return scenario["method"], scenario["effort"]
+            return scenario["options"]["method"], scenario["options"]["effort"]
 
         described = " ".join(ssv("plan", "--help").stdout.split())
         defaults = tuple(re.search(rf"--{key}=.*?\(default (\w+)\)", described)[1] for key in ("method", "effort"))
@@ -298,8 +391,13 @@ class UsageTest(InFolder):
                 self.assertEqual(used(of_file, "--effort", "quick"), (method, "quick"))
 
     def test_a_scenario_may_come_through_a_pipe(self):
-        done = ssv("plan", "/dev/stdin", "--format", "json", input=PAPER_CASE.read_text())
+        done = ssv("plan", "-", "--format", "json", input=PAPER_CASE.read_text())
         self.assertEqual(done.returncode, 0, done)
+        done = ssv("quote", "-", PORT1, input=PAPER_CASE.read_text())
+        self.assertEqual((done.returncode, done.stdout.count("\n")), (0, 3), done)
+        done = ssv("plan", "-", input="model: [")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("ssv: standard input:2:1: not YAML", done.stderr)
 
     def test_a_model_path_counts_from_the_scenario_file(self):
         (self.folder / "models").mkdir()
@@ -322,29 +420,33 @@ def shape(value):
 
 
 V3, Q4, U6 = [3, "real"], [4, "real"], [6, "real"]
-POSE_S, POSE_B = {"p_IS_m": V3, "q_IS": Q4}, {"p_IB_m": V3, "q_IB": Q4}
+POSE = {"p_m": V3, "q": Q4}
 BODY = {"mass_kg": "real", "inertia_kg_m2": V3, "added_mass_kg": V3, "drag_lin_kg_s": "real", "drag_quad_kg_m": "real",
         "drag_lin_ang_Nm_s": "real", "drag_quad_ang_Nm_s2": "real"}
+SCENARIO_SHAPE = {
+    "request_id": "integer", "epoch_us": "integer",
+    "vehicle": {"body": BODY, "radius_m": "real", "force_max_N": "real", "thruster": ["any", {"p_ST_m": V3, "n_T_S": V3}]},
+    "beam": {"body": BODY, "radius_m": "real", "length_m": "real", "drag_strip_kg_m2": "real"},
+    "X_IS": POSE, "X_IB": POSE, "port": {"p_IP_m": V3, "axis_I": V3}, "contact": "integer", "standoff_m": "real",
+    "weight_time_per_s": "real", "weight_impulse_per_Ns": "real",
+    "options": {"method": "text", "effort": "text", "num_attach_heights": "integer", "attach_heights_m": [8, "real"],
+                "attach_anywhere": "flag", "ring_angle_given": "flag", "ring_angle_rad": "real", "want_candidates": "flag",
+                "want_front": "flag"},
+}
+QUOTE_SHAPE = {
+    "num_candidates": "integer", "num_front": "integer", "request_id": "integer", "epoch_us": "integer",
+    "scenario_hash": "text", "status": "text", "reason": "text", "cost": "real", "cost_lower_bound": "real", "time_s": "real",
+    "impulse_Ns": "real",
+    "choice": {"contact": "integer", "attach_height_m": "real", "ring_angle_rad": "real", "candidates": "integer"},
+    "candidates": [], "front": [],
+}
 PLAN_SHAPE = {
-    "status": "text", "reason": "text", "request_id": "integer",
-    "cost": {"J": "real", "J_lower_bound": "real", "time_s": "real", "impulse_Ns": "real"},
-    "choice": {"beam_contact": "integer", "attach_height_m": "real", "ring_angle_rad": "real", "candidates": "integer"},
-    "phases": ["any", {"name": "text", "time_s": "real", "impulse_Ns": "real"}],
+    "num_legs": "integer", "num_segments": "integer", "num_events": "integer", "quote": QUOTE_SHAPE, "plan_hash": "text",
     "legs": ["any", {"phase": "text", "kind": "text", "ramp": "text", "t_start_s": "real", "duration_s": "real",
-                     "impulse_Ns": "real", "peak_speed": "real", "pose_start": POSE_S, "pose_end": POSE_S}],
-    "timeline": {"segments": ["any", {"t_s": "real", "duration_s": "real", "u_start_N": U6, "u_end_N": U6,
-                                      "leg": "integer"}]},
+                     "impulse_Ns": "real", "peak_speed": "real", "X_IS_start": POSE, "X_IS_end": POSE}],
+    "segments": ["any", {"t_s": "real", "duration_s": "real", "u_start_N": U6, "u_end_N": U6, "leg": "integer"}],
     "events": ["any", {"t_s": "real", "kind": "text"}],
-    "final": {"vehicle": POSE_S, "beam": POSE_B},
-    "scenario_hash": "text", "plan_hash": "text",
-    "scenario": {
-        "request_id": "integer", "epoch_us": "integer",
-        "vehicle": BODY | {"radius_m": "real", "force_max_N": "real", "thrusters": ["any", {"p_ST_m": V3, "n_T_S": V3}]},
-        "beam": BODY | {"radius_m": "real", "length_m": "real", "drag_strip_kg_m2": "real"},
-        "X_IS": POSE_S, "X_IB": POSE_B, "port": {"p_IP_m": V3, "axis_I": V3}, "contact": "integer", "standoff_m": "real",
-        "weights": {"time": "real", "impulse": "real"}, "attach_heights_m": [], "attach_anywhere": "flag",
-        "ring_angle_rad": "null", "method": "text", "effort": "text", "want_candidates": "flag", "want_front": "flag",
-    },
+    "X_IS_final": POSE, "X_IB_final": POSE,
 }
 
 
@@ -363,39 +465,43 @@ class PlanJsonTest(InFolder):
         self.assertEqual(len(self.plans), 5 * 3)
         for (name, method), plan in self.plans.items():
             with self.subTest(f"{name} {method}"):
-                expected = json.loads(json.dumps(PLAN_SHAPE))
-                if name == "paper_case":
-                    expected["scenario"]["ring_angle_rad"] = "real"
-                if name == "port2_either":
-                    expected["scenario"]["attach_heights_m"] = [3, "real"]
-                self.assertEqual(shape(plan), expected)
+                self.assertEqual(shape(plan), {"scenario": SCENARIO_SHAPE, "plan": PLAN_SHAPE})
+                self.assertEqual(list(plan["plan"]), list(PLAN_SHAPE))
+                self.assertEqual(list(plan["scenario"]), list(SCENARIO_SHAPE))
+                options = plan["scenario"]["options"]
+                self.assertEqual(options["ring_angle_given"], name == "paper_case")
+                self.assertEqual(options["num_attach_heights"], 3 if name == "port2_either" else 0)
 
     def test_the_parts_of_a_plan_agree_with_one_another(self):
-        for task, plan in self.plans.items():
+        for task, answer in self.plans.items():
             with self.subTest(" ".join(task)):
-                self.assertEqual((plan["status"], plan["reason"]), ("ok", ""))
+                scenario, plan = answer["scenario"], answer["plan"]
+                quote, legs = plan["quote"], plan["legs"]
+                self.assertEqual((quote["status"], quote["reason"]), ("ok", ""))
+                self.assertEqual(quote["request_id"], scenario["request_id"])
                 self.assertEqual([event["kind"] for event in plan["events"]], ["mate", "dock"])
-                self.assertEqual([phase["name"] for phase in plan["phases"]], ["transit", "transfer"])
-                for total in ("time_s", "impulse_Ns"):
-                    of_phases = sum(phase[total] for phase in plan["phases"])
-                    self.assertTrue(math.isclose(of_phases, plan["cost"][total], rel_tol=1e-12), total)
-                self.assertTrue(0 <= plan["cost"]["J_lower_bound"] <= plan["cost"]["J"])
-                self.assertAlmostEqual(plan["events"][0]["t_s"], plan["phases"][0]["time_s"], 9)
-                self.assertAlmostEqual(plan["events"][1]["t_s"], plan["cost"]["time_s"], 9)
-                self.assertEqual(plan["legs"][-1]["pose_end"], plan["final"]["vehicle"])
-                for hash_key in ("scenario_hash", "plan_hash"):
-                    self.assertRegex(plan[hash_key], "^[0-9a-f]{16}$")
+                for total, of_leg in (("time_s", "duration_s"), ("impulse_Ns", "impulse_Ns")):
+                    self.assertTrue(math.isclose(sum(leg[of_leg] for leg in legs), quote[total], rel_tol=1e-12), total)
+                self.assertTrue(0 <= quote["cost_lower_bound"] <= quote["cost"])
+                transit_s = sum(leg["duration_s"] for leg in legs if leg["phase"] == "transit")
+                self.assertAlmostEqual(plan["events"][0]["t_s"], transit_s, 9)
+                self.assertAlmostEqual(plan["events"][1]["t_s"], quote["time_s"], 9)
+                self.assertEqual(legs[-1]["X_IS_end"], plan["X_IS_final"])
+                for name in ("legs", "segments", "events"):
+                    self.assertEqual(plan[f"num_{name}"], len(plan[name]))
+                for text in (quote["scenario_hash"], plan["plan_hash"]):
+                    self.assertRegex(text, "^[0-9a-f]{16}$")
 
     def test_the_scenarios_cover_every_port_every_contact_and_a_tie(self):
         texts = {path.stem: path.read_text() for path in SCENARIOS}
         for choice in ("port: 1", "port: 2", "port: 3", "contact: 1", "contact: 2", "contact: either"):
             self.assertTrue(any(f"  {choice}\n" in text for text in texts.values()), choice)
-        self.assertGreaterEqual(self.plans["on_axis", "paper"]["choice"]["candidates"], 2 * 3 * 16)
+        self.assertGreaterEqual(self.plans["on_axis", "paper"]["plan"]["quote"]["choice"]["candidates"], 2 * 3 * 16)
 
     def test_method_optimal_costs_no_more_than_paper(self):
         for path in SCENARIOS:
             with self.subTest(path.stem):
-                paper, quick, best = (self.plans[path.stem, method]["cost"]["J"] for method in METHODS)
+                paper, quick, best = (self.plans[path.stem, method]["plan"]["quote"]["cost"] for method in METHODS)
                 self.assertLessEqual(quick, paper)
                 self.assertLessEqual(best, paper)
 
@@ -419,46 +525,44 @@ class PlanJsonTest(InFolder):
     def test_the_docked_beam_ends_on_the_port_and_points_into_it(self):
         for task, plan in self.plans.items():
             with self.subTest(" ".join(task)):
-                w, x, y, z = plan["final"]["beam"]["q_IB"]
+                w, x, y, z = plan["plan"]["X_IB_final"]["q"]
                 z_B = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]
-                outward = -1 if plan["choice"]["beam_contact"] == 1 else 1
+                outward = -1 if plan["plan"]["quote"]["choice"]["contact"] == 1 else 1
                 half_m = plan["scenario"]["beam"]["length_m"] / 2
                 for i in range(3):
-                    contact = plan["final"]["beam"]["p_IB_m"][i] + outward * half_m * z_B[i]
+                    contact = plan["plan"]["X_IB_final"]["p_m"][i] + outward * half_m * z_B[i]
                     self.assertAlmostEqual(contact, plan["scenario"]["port"]["p_IP_m"][i], 9)
                     self.assertAlmostEqual(outward * z_B[i], -plan["scenario"]["port"]["axis_I"][i], 9)
 
     def test_numbers_survive_the_file_bit_for_bit(self):
-        self.assertEqual(self.plans["paper_case", "paper"]["scenario"]["ring_angle_rad"], -1.5707963267948966)
-        self.assertEqual(self.plans["paper_case", "paper"]["scenario"]["X_IB"]["q_IB"][0], 0.7071067811865476)
+        self.assertEqual(self.plans["paper_case", "paper"]["scenario"]["options"]["ring_angle_rad"], -1.5707963267948966)
+        self.assertEqual(self.plans["paper_case", "paper"]["scenario"]["X_IB"]["q"][0], 0.7071067811865476)
 
     def test_the_table_shows_the_same_plan(self):
         for (name, method), plan in self.plans.items():
             with self.subTest(f"{name} {method}"):
                 table = ssv("plan", HOST / "scenarios" / f"{name}.yaml", *METHODS[method]).stdout
-                self.assertIn(f"= {plan['cost']['J']:.3f}\n", table)
-                self.assertIn(plan["plan_hash"], table)
+                self.assertIn(f"= {plan['plan']['quote']['cost']:.3f}\n", table)
+                self.assertIn(plan["plan"]["plan_hash"], table)
                 self.assertLessEqual(max(map(len, table.splitlines())), 120)
 
     def test_the_table_tells_the_lower_bound_and_how_far_off_the_plan_can_be(self):
         for (name, method), plan in self.plans.items():
             with self.subTest(f"{name} {method}"):
                 table = ssv("plan", HOST / "scenarios" / f"{name}.yaml", *METHODS[method]).stdout
-                least = plan["cost"]["J_lower_bound"]
+                cost, least = plan["plan"]["quote"]["cost"], plan["plan"]["quote"]["cost_lower_bound"]
                 self.assertIn(f"No plan of any kind costs less than {least:.3f}", table)
-                self.assertIn(f"at most {100 * (plan['cost']['J'] / least - 1):.1f} % above the best possible", table)
+                self.assertIn(f"at most {100 * (cost / least - 1):.1f} % above the best possible", table)
 
 
-CANDIDATE_SHAPE = {"beam_contact": "integer", "attach_height_m": "real", "ring_angle_rad": "real", "reason": "text",
-                   "time_s": "real", "impulse_Ns": "real", "J": "real"}
-POINT_SHAPE = {"time_s": "real", "impulse_Ns": "real", "J": "real", "beam_contact": "integer", "attach_height_m": "real",
-               "ring_angle_rad": "real"}
+CANDIDATE_SHAPE = {"contact": "integer", "attach_height_m": "real", "ring_angle_rad": "real", "reason": "text",
+                   "time_s": "real", "impulse_Ns": "real", "cost": "real"}
 
 
 class CandidatesAndFrontTest(InFolder):
     def answer(self, command, path, *arguments):
         answer = json.loads(ssv(command, path, "--format", "json", *arguments).stdout)
-        return answer["quotes"][0] if command == "quote" else answer
+        return answer["quotes"][0]["quote"] if command == "quote" else answer["plan"]["quote"]
 
     def test_candidates_and_front_come_only_on_request_of_the_command_line_or_of_the_file(self):
         of_file = {"candidates": False, "front": False}
@@ -469,23 +573,24 @@ class CandidatesAndFrontTest(InFolder):
             for command in ("plan", "quote"):
                 with self.subTest(f"{command} {key}"):
                     asked = self.answer(command, PAPER_CASE, f"--{key}")
-                    self.assertEqual({k: k in asked for k in of_file}, of_file | {key: True})
+                    self.assertEqual({k: bool(asked[k]) for k in of_file}, of_file | {key: True})
                     self.assertEqual(self.answer(command, path)[key], asked[key])
                     for answer in (self.answer(command, PAPER_CASE), self.answer(command, off)):
-                        self.assertFalse(of_file.keys() & answer.keys())
+                        self.assertEqual([answer[k] for k in of_file], [[], []])
                         self.assertEqual(answer["cost"], asked["cost"])
 
     def test_every_contact_and_height_is_a_candidate_and_the_quote_is_the_cheapest(self):
         for path, method in itertools.product(SCENARIOS, METHODS):
             with self.subTest(f"{path.stem} {method}"):
-                answer = self.answer("plan", path, "--candidates", *METHODS[method])
+                plan = json.loads(ssv("plan", path, "--candidates", *METHODS[method], "--format", "json").stdout)
+                asked, answer = plan["scenario"], plan["plan"]["quote"]
                 self.assertEqual(shape(answer["candidates"]), ["any", CANDIDATE_SHAPE])
-                asked = answer["scenario"]
-                heights = asked["attach_heights_m"] or [1.524, 0, -1.524]
+                options = asked["options"]
+                heights = options["attach_heights_m"][:options["num_attach_heights"]] or [1.524, 0, -1.524]
                 contacts = [asked["contact"]] if asked["contact"] else [1, 2]
-                self.assertEqual([(c["beam_contact"], c["attach_height_m"]) for c in answer["candidates"]],
+                self.assertEqual([(c["contact"], c["attach_height_m"]) for c in answer["candidates"]],
                                  list(itertools.product(contacts, heights)))
-                self.assertEqual(min(c["J"] for c in answer["candidates"] if not c["reason"]), answer["cost"]["J"])
+                self.assertEqual(min(c["cost"] for c in answer["candidates"] if not c["reason"]), answer["cost"])
                 quote = self.answer("quote", path, "--candidates", *METHODS[method])
                 self.assertEqual(quote["candidates"], answer["candidates"])
                 for command in ("plan", "quote"):
@@ -498,8 +603,8 @@ class CandidatesAndFrontTest(InFolder):
         anywhere = self.scenario(("model: paper", "model: paper\nattach_anywhere: true"))
         given = self.answer("quote", PAPER_CASE, "--weights", "1,0")
         freed = self.answer("quote", anywhere, "--weights", "1,0", "--candidates")
-        self.assertLess(freed["cost"]["J"], 0.998 * given["cost"]["J"])
-        self.assertLessEqual(freed["cost"]["J_lower_bound"], given["cost"]["J_lower_bound"])
+        self.assertLess(freed["cost"], 0.998 * given["cost"])
+        self.assertLessEqual(freed["cost_lower_bound"], given["cost_lower_bound"])
         height = freed["choice"]["attach_height_m"]
         self.assertLess(abs(height), 1.524)
         self.assertEqual([c["attach_height_m"] for c in freed["candidates"]], [1.524, 0, -1.524])
@@ -512,8 +617,8 @@ class CandidatesAndFrontTest(InFolder):
         for path, weights in itertools.product(SCENARIOS, ("1,0", "1,0.1", "1,1", "0,1")):
             with self.subTest(f"{path.stem} {weights}"):
                 answer = self.answer("quote", path, "--front", "--weights", weights, "--method", "optimal")
-                front, cost = answer["front"], answer["cost"]
-                self.assertEqual(shape(front), ["any", POINT_SHAPE])
+                front, cost = answer["front"], answer
+                self.assertEqual(shape(front), ["any", CANDIDATE_SHAPE])
                 for one, another in itertools.permutations(front, 2):
                     self.assertFalse(one["time_s"] <= another["time_s"] and one["impulse_Ns"] <= another["impulse_Ns"])
                 self.assertEqual(front, sorted(front, key=lambda point: point["time_s"]))
@@ -521,7 +626,7 @@ class CandidatesAndFrontTest(InFolder):
                                     for point in front))
                 w1, w2 = map(float, weights.split(","))
                 for point in front:
-                    self.assertAlmostEqual(point["J"], w1 * point["time_s"] + w2 * point["impulse_Ns"], 8)
+                    self.assertAlmostEqual(point["cost"], w1 * point["time_s"] + w2 * point["impulse_Ns"], 8)
                 table = ssv("quote", path, "--front", "--weights", weights, "--method", "optimal").stdout
                 for point in front:
                     self.assertRegex(table, rf"{point['time_s']:.3f} +{point['impulse_Ns']:.3f} ")
@@ -546,10 +651,8 @@ class QuoteTest(InFolder):
             for path, quote in zip(SCENARIOS, self.quotes(SCENARIOS, *arguments)):
                 with self.subTest(f"{path.stem} {method} {weights}"):
                     plan = json.loads(ssv("plan", path, "--format", "json", *arguments).stdout)
-                    self.assertEqual(list(quote), ["file", "status", "reason", "request_id", "cost", "choice",
-                                                   "scenario_hash", "scenario"])
-                    for key in ("status", "reason", "cost", "choice", "scenario_hash"):
-                        self.assertEqual(quote[key], plan[key])
+                    self.assertEqual(list(quote), ["file", "scenario", "quote"])
+                    self.assertEqual(without_stamp(quote)["quote"], without_stamp(plan)["plan"]["quote"])
                     self.assertEqual(without_stamp(quote)["scenario"], without_stamp(plan)["scenario"])
 
     def test_the_table_has_a_row_for_each_file_with_the_same_numbers(self):
@@ -559,10 +662,10 @@ class QuoteTest(InFolder):
         self.assertEqual(re.split("  +", lines[0]),
                          ["scenario", "J", "time s", "impulse N s", "lower bound", "gap %", "contact", "height m"])
         for line, path, quote in zip(lines[1:], SCENARIOS, self.quotes(SCENARIOS)):
-            cost, choice = quote["cost"], quote["choice"]
-            gap = 100 * (cost["J"] / cost["J_lower_bound"] - 1)
-            prices = [f"{cost[key]:.3f}" for key in ("J", "time_s", "impulse_Ns", "J_lower_bound")]
-            where = [str(choice["beam_contact"]), f"{choice['attach_height_m']:+.4f}"]
+            cost, choice = quote["quote"], quote["quote"]["choice"]
+            gap = 100 * (cost["cost"] / cost["cost_lower_bound"] - 1)
+            prices = [f"{cost[key]:.3f}" for key in ("cost", "time_s", "impulse_Ns", "cost_lower_bound")]
+            where = [str(choice["contact"]), f"{choice['attach_height_m']:+.4f}"]
             self.assertEqual(line.split(), [str(path), *prices, f"{gap:.1f}", *where])
 
     def test_a_task_that_is_refused_or_has_no_plan_leaves_the_others_alone_and_the_worst_decides_the_exit_code(self):
@@ -570,19 +673,18 @@ class QuoteTest(InFolder):
         bad = self.other("bad.yaml", ("standoff_m: 0.3025", "standoff_m: .nan"))
         typo = self.other("typo.yaml", ("standoff_m", "standof_m"))
         alone = {path: self.quotes([path], code=code)[0] for path, code in ((PAPER_CASE, 0), (far, 3), (bad, 2), (typo, 2))}
-        self.assertEqual([quote["status"] for quote in alone.values()], ["ok", "infeasible", "invalid", "invalid"])
-        self.assertEqual(list(alone[far]),
-                         ["file", "status", "reason", "request_id", "candidates", "scenario_hash", "scenario"])
-        self.assertEqual(list(alone[bad]), ["file", "status", "reason"])
-        same = lambda quote: {key: quote[key] for key in quote if key not in ("request_id", "scenario")}
+        self.assertEqual([quote["quote"]["status"] for quote in alone.values()], ["ok", "infeasible", "invalid", "invalid"])
+        self.assertEqual(list(alone[far]), ["file", "scenario", "quote"])
+        self.assertEqual(list(alone[bad]), ["file", "quote"])
+        same = lambda row: {key: row["quote"][key] for key in row["quote"] if key not in ("request_id", "epoch_us")}
         for paths, code in (([far, PAPER_CASE], 3), ([typo, far, PAPER_CASE, bad, PAPER_CASE], 2), ([far, bad], 2),
                             ([typo, far], 2), ([PAPER_CASE] * 16, 0)):
             for quote, path in zip(self.quotes(paths, code=code), paths):
                 self.assertEqual(same(quote), same(alone[path]))
         done = ssv("quote", typo, far, PAPER_CASE, bad)
         self.assertEqual(done.stderr.splitlines(), [
-            f"ssv: {typo}:15: standof_m: unknown key", f"ssv: {far}: no feasible candidate",
-            f"ssv: {bad}: standoff_m: nan is not a finite number"])
+            f"ssv: {typo}:15:1: standof_m: unknown key; did you mean standoff_m?", f"ssv: {far}: no feasible candidate",
+            f"ssv: {bad}:15:13: standoff_m: nan is not a finite number"])
         rows = done.stdout.splitlines()
         self.assertEqual([row.split(maxsplit=1)[1] for row in (rows[1], rows[2], rows[4])],
                          ["refused", "no feasible candidate", "refused"])
@@ -592,17 +694,18 @@ class QuoteTest(InFolder):
         file = self.folder / "quotes.json"
         done = ssv("quote", PAPER_CASE, "--format", "json", "--output", file)
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
-        self.assertEqual(json.loads(file.read_text())["quotes"][0]["status"], "ok")
+        self.assertEqual(json.loads(file.read_text())["quotes"][0]["quote"]["status"], "ok")
 
 
 class ScalarTest(InFolder):
     """The planner in other arithmetics; that their plans are as good is property.scalars' to say."""
-    NUMBERS = ("J", "time_s", "impulse_Ns")
+    NUMBERS = ("cost", "time_s", "impulse_Ns")
 
     def answer(self, command, path, *arguments):
         done = ssv(command, path, "--format", "json", *arguments)
         self.assertEqual(done.returncode, 0, done)
-        return json.loads(done.stdout) if command == "plan" else json.loads(done.stdout)["quotes"][0]
+        answer = json.loads(done.stdout)
+        return answer["plan"] if command == "plan" else answer["quotes"][0]
 
     def too_heavy(self):
         """Costs some 1e8, and the largest number of fixed point is 6.7e7."""
@@ -611,13 +714,14 @@ class ScalarTest(InFolder):
     def test_each_scalar_plans_and_quotes_the_scenarios_much_alike_and_none_like_another(self):
         for path in SCENARIOS:
             plans = {scalar: self.answer("plan", path, "--scalar", scalar) for scalar in ("double", "float", "fixed")}
-            self.assertEqual(without_stamp(plans["double"]), without_stamp(self.answer("plan", path)))
+            self.assertEqual(plans["double"]["plan_hash"], self.answer("plan", path)["plan_hash"])
             self.assertEqual(len({plan["plan_hash"] for plan in plans.values()}), 3)
             for scalar, plan in plans.items():
                 with self.subTest(f"{path.stem} {scalar}"):
-                    self.assertEqual(self.answer("quote", path, "--scalar", scalar)["cost"], plan["cost"])
+                    quote, exact = plan["quote"], plans["double"]["quote"]
+                    self.assertEqual(self.answer("quote", path, "--scalar", scalar)["quote"]["cost"], quote["cost"])
                     for key in self.NUMBERS:
-                        self.assertAlmostEqual(plan["cost"][key] / plans["double"]["cost"][key], 1, delta=0.01)
+                        self.assertAlmostEqual(quote[key] / exact[key], 1, delta=0.01)
 
     def test_the_programs_of_the_other_scalars_do_the_same_by_themselves_and_say_which_they_are(self):
         for scalar in ("float", "fixed"):
@@ -630,7 +734,7 @@ class ScalarTest(InFolder):
 
     def test_a_number_that_does_not_fit_the_scalar_is_told_and_never_a_price(self):
         path = self.too_heavy()
-        self.assertEqual(self.answer("plan", path)["status"], "ok")
+        self.assertEqual(self.answer("plan", path)["quote"]["status"], "ok")
         for command, arguments in (("plan", [path]), ("quote", [PAPER_CASE, path])):
             done = ssv(command, *arguments, "--scalar", "fixed")
             self.assertEqual(done.returncode, 5, done)
@@ -638,15 +742,15 @@ class ScalarTest(InFolder):
                                           "that computes in double\n")
         self.assertEqual(done.stdout.splitlines()[2].split(maxsplit=1)[1], "numeric overflow")
         done = ssv("plan", path, "--scalar", "fixed", "--format", "json")
-        self.assertEqual((done.returncode, json.loads(done.stdout)["status"]), (5, "numeric_overflow"))
-        self.assertNotIn("cost", json.loads(done.stdout))
+        quote = json.loads(done.stdout)["plan"]["quote"]
+        self.assertEqual((done.returncode, quote["status"], quote["cost"]), (5, "numeric_overflow", 0))
 
     def test_over_lcm_the_planner_must_be_of_the_scalar_asked_for(self):
         over_lcm = [f"--lcm={URL}", "--timeout", "20", "--scalar"]
         with Daemon(URL, "ssv-plannerd-fixed"):
             for command in ("plan", "quote"):
                 here = self.answer(command, PAPER_CASE, "--scalar", "fixed")
-                self.assertEqual(self.answer(command, PAPER_CASE, *over_lcm, "fixed")["cost"], here["cost"])
+                self.assertEqual(self.answer(command, PAPER_CASE, *over_lcm, "fixed")["quote"]["cost"], here["quote"]["cost"])
                 done = ssv(command, PAPER_CASE, *over_lcm, "double")
                 self.assertEqual((done.returncode, done.stdout), (4, ""), done)
                 self.assertIn("computes in fixed, not in double", done.stderr)
@@ -680,7 +784,7 @@ class OutputTest(InFolder):
     def test_a_plan_goes_to_the_file_and_nothing_to_standard_output(self):
         done = self.plan()
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
-        self.assertEqual(json.loads(self.file.read_text())["status"], "ok")
+        self.assertEqual(json.loads(self.file.read_text())["plan"]["quote"]["status"], "ok")
         self.assert_only("plan.json")
 
     def test_a_file_that_is_replaced_keeps_its_permissions_and_a_link_stays_a_link(self):
@@ -691,7 +795,7 @@ class OutputTest(InFolder):
         self.assertEqual(self.plan().returncode, 0)
         self.assertTrue(self.file.is_symlink())
         self.assertEqual(real.stat().st_mode & 0o777, 0o640)
-        self.assertEqual(json.loads(real.read_text())["status"], "ok")
+        self.assertEqual(json.loads(real.read_text())["plan"]["quote"]["status"], "ok")
         self.assert_only("plan.json", "real.json")
 
     def test_a_failed_write_leaves_the_old_file_whole(self):
@@ -702,11 +806,43 @@ class OutputTest(InFolder):
         self.assertEqual(self.file.read_text(), "old")
         self.assert_only("plan.json")
 
-    def test_a_refused_scenario_leaves_no_half_table(self):
+    def test_what_is_no_plan_leaves_a_good_file_alone_in_every_format(self):
         self.file.write_text("old")
-        done = ssv("plan", self.scenario(("contact: 1", "contact: 9")), "--output", self.file)
-        self.assertEqual(done.returncode, 2)
-        self.assertEqual(self.file.read_text(), "old")
+        far = ("p_IS_m: [0, 0, 0]", "p_IS_m: [-900, 0, 0]")
+        for change, code in ((("contact: 1", "contact: 9"), 2), (("standoff_m: 0.3025", "standoff_m: 0"), 2), (far, 3)):
+            path = self.scenario(change)
+            for command, form in itertools.product(("plan", "quote"), ("table", "json")):
+                if command == "quote" and code == 3:
+                    continue  # that there is no price is an answer among others
+                done = ssv(command, path, "--format", form, "--output", self.file)
+                self.assertEqual((done.returncode, self.file.read_text()), (code, "old"), done)
+                if form == "json":
+                    self.assertIn('"status": "in', done.stdout)
+        done = ssv("plan", self.folder / "absent.yaml", "--format", "json", "--output", self.file)
+        self.assertEqual((done.returncode, self.file.read_text()), (2, "old"))
+
+    def test_a_minus_is_standard_output(self):
+        self.file = "-"
+        done = self.plan(cwd=self.folder)
+        self.assertEqual(json.loads(done.stdout)["plan"]["quote"]["status"], "ok")
+        self.assert_only()
+
+    def test_a_link_to_nothing_leads_to_the_new_file_and_a_ring_of_links_is_refused(self):
+        (self.folder / "sub").mkdir()
+        (self.folder / "sub" / "next.json").symlink_to("../real.json")
+        self.file.symlink_to("sub/next.json")
+        self.assertEqual(self.plan().returncode, 0)
+        self.assertTrue(self.file.is_symlink() and (self.folder / "sub" / "next.json").is_symlink())
+        self.assertEqual(json.loads((self.folder / "real.json").read_text())["plan"]["quote"]["status"], "ok")
+        self.file = self.folder / "ring.json"
+        self.file.symlink_to("ring.json")
+        self.assertEqual(self.plan().returncode, 1)
+
+    def test_set_uid_bits_do_not_stay(self):
+        self.file.write_text("old")
+        self.file.chmod(0o6755)
+        self.assertEqual(self.plan().returncode, 0)
+        self.assertEqual(self.file.stat().st_mode & 0o7777, 0o755)
 
     def test_no_answer_and_ctrl_c_leave_the_old_file(self):
         self.file.write_text("old")
@@ -753,7 +889,7 @@ class OverLcmTest(InFolder):
                     self.assertEqual(done.returncode, 0, done)
                     here = json.loads(ssv("plan", path, "--format", "json", *arguments).stdout)
                     there = json.loads(done.stdout)
-                    self.assertNotEqual(here["request_id"], there["request_id"])
+                    self.assertNotEqual(here["scenario"]["request_id"], there["scenario"]["request_id"])
                     self.assertEqual(without_stamp(here), without_stamp(there))
 
     def test_invalid_and_infeasible_come_back_with_the_same_reason_and_exit_code(self):
@@ -763,7 +899,7 @@ class OverLcmTest(InFolder):
                 here = ssv("plan", path, "--format", "json")
                 there = self.ask(path)
                 self.assertEqual(there.returncode, here.returncode)
-                self.assertEqual(json.loads(there.stdout)["reason"], json.loads(here.stdout)["reason"])
+                self.assertEqual(*(json.loads(done.stdout)["plan"]["quote"]["reason"] for done in (there, here)))
                 self.assertEqual(there.stderr, here.stderr)
 
     def test_quotes_are_those_computed_in_process(self):

@@ -59,7 +59,7 @@ class TablesTest(unittest.TestCase):
         compared = 0
         for attachment in self.demo.ATTACHMENTS:
             text = self.demo.one_attachment(attachment)
-            command = [BIN / "ssv", "plan", "/dev/stdin", "--method", "paper", "--weights", "1,0", "--format", "json"]
+            command = [BIN / "ssv", "plan", "-", "--method", "paper", "--weights", "1,0", "--format", "json"]
             done = subprocess.run(command, input=text, capture_output=True, text=True, timeout=60)
             ours = self.demo.our_values(json.loads(done.stdout))
             for row in self.rows:

@@ -30,6 +30,10 @@ def body(mass_kg, inertia_kg_m2, lin=0.0, lin_ang=0.0):
             "drag_quad_kg_m": 0.0, "drag_lin_ang_Nm_s": lin_ang, "drag_quad_ang_Nm_s2": 0.0}
 
 
+def pose(p_m, q):
+    return {"p_m": p_m, "q": q}
+
+
 def triangle(length, inertia, drag, push_per_thruster, duration_s):
     """Two segments for a speed that rises and falls on straight lines: (duration, thrust at start, thrust at end) each."""
     half_s = duration_s / 2
@@ -58,22 +62,34 @@ def hand_made_plan():
     directions = [([0, 0, 1], [1, 0, 0]), ([0, 0, -1], [-1, 0, 0]), ([1, 0, 0], [0, 1, 0]), ([-1, 0, 0], [0, -1, 0]),
                   ([0, 1, 0], [0, 0, 1]), ([0, -1, 0], [0, 0, -1])]
     half = math.sqrt(0.5)
+    start = pose([1.0, 2.0, 3.0], [half, 0.0, 0.0, -half])
+    nowhere = pose([0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0])  # where the planner says the craft is, which nobody asks
+    legs = [{"phase": phase, "kind": "translate", "ramp": "optimal", "t_start_s": 0.0, "duration_s": 1.0, "impulse_Ns": 0.0,
+             "peak_speed": 0.0, "X_IS_start": nowhere, "X_IS_end": nowhere} for phase in ("transit", "transit", "transfer")]
     return {
-        "status": "ok", "reason": "", "request_id": 7,
-        "cost": {"J": t_s, "time_s": t_s, "impulse_Ns": impulse_Ns},
-        "choice": {"beam_contact": 2, "attach_height_m": 0.0, "ring_angle_rad": math.pi, "candidates": 1},
-        "legs": [{"phase": "transit"}, {"phase": "transit"}, {"phase": "transfer"}],
-        "timeline": {"segments": segments},
-        "events": [{"t_s": 68.0, "kind": "mate"}, {"t_s": 108.0, "kind": "dock"}],
         "scenario": {
-            "vehicle": dict(body(MASS_KG, [INERTIA_KG_M2] * 3, DRAG_KG_S, DRAG_NM_S), radius_m=R_S, force_max_N=FORCE_MAX_N,
-                            thrusters=[{"p_ST_m": [R_S * x for x in r], "n_T_S": n} for r, n in directions]),
-            "beam": dict(body(BEAM_MASS_KG, [8.8, 8.8, 0.04]), radius_m=0.06, length_m=BEAM_LENGTH_M, drag_strip_kg_m2=0.0),
-            "X_IS": {"p_IS_m": [1.0, 2.0, 3.0], "q_IS": [half, 0.0, 0.0, -half]},
-            "X_IB": {"p_IB_m": [1.0 + 4.0 + STANDOFF_M, 2.0, 3.0], "q_IB": [1.0, 0.0, 0.0, 0.0]},
+            "request_id": 7, "epoch_us": 0,
+            "vehicle": {"body": body(MASS_KG, [INERTIA_KG_M2] * 3, DRAG_KG_S, DRAG_NM_S), "radius_m": R_S,
+                        "force_max_N": FORCE_MAX_N,
+                        "thruster": [{"p_ST_m": [R_S * x for x in r], "n_T_S": n} for r, n in directions]},
+            "beam": {"body": body(BEAM_MASS_KG, [8.8, 8.8, 0.04]), "radius_m": 0.06, "length_m": BEAM_LENGTH_M,
+                     "drag_strip_kg_m2": 0.0},
+            "X_IS": start, "X_IB": pose([1.0 + 4.0 + STANDOFF_M, 2.0, 3.0], [1.0, 0.0, 0.0, 0.0]),
             "port": {"p_IP_m": [1.0 + 6.0 + STANDOFF_M, 2.0, 3.0 + BEAM_LENGTH_M / 2], "axis_I": [0.0, 0.0, -1.0]},
-            "contact": 0, "standoff_m": STANDOFF_M, "weights": {"time": 1.0, "impulse": 0.0},
-            "attach_heights_m": [0.0], "ring_angle_rad": None, "method": "paper"},
+            "contact": 0, "standoff_m": STANDOFF_M, "weight_time_per_s": 1.0, "weight_impulse_per_Ns": 0.0,
+            "options": {"method": "paper", "effort": "quick", "num_attach_heights": 1, "attach_heights_m": [0.0] * 8,
+                        "attach_anywhere": False, "ring_angle_given": False, "ring_angle_rad": 0.0,
+                        "want_candidates": False, "want_front": False}},
+        "plan": {
+            "num_legs": 3, "num_segments": len(segments), "num_events": 2,
+            "quote": {"num_candidates": 0, "num_front": 0, "request_id": 7, "epoch_us": 0, "scenario_hash": "0" * 16,
+                      "status": "ok", "reason": "", "cost": t_s, "cost_lower_bound": 0.0, "time_s": t_s,
+                      "impulse_Ns": impulse_Ns,
+                      "choice": {"contact": 2, "attach_height_m": 0.0, "ring_angle_rad": math.pi, "candidates": 1},
+                      "candidates": [], "front": []},
+            "plan_hash": "0" * 16, "legs": legs, "segments": segments,
+            "events": [{"t_s": 68.0, "kind": "mate"}, {"t_s": 108.0, "kind": "dock"}],
+            "X_IS_final": nowhere, "X_IB_final": nowhere},
     }
 
 
@@ -123,24 +139,24 @@ class HandMadePlan(unittest.TestCase):
                 # a beam and a port elsewhere, by a known distance
                 (("scenario", "port", "p_IP_m", 1), lambda y: y + 0.004, "dock", "position_error_mm", 4.0, 0),
                 (("scenario", "port", "p_IP_m", 1), lambda y: y + 0.006, "dock", "position_error_mm", 6.0, 3),
-                (("scenario", "X_IB", "p_IB_m", 2), lambda z: z + 0.006, "mate", "position_error_mm", 6.0, 3),
+                (("scenario", "X_IB", "p_m", 2), lambda z: z + 0.006, "mate", "position_error_mm", 6.0, 3),
                 (("scenario", "standoff_m"), STANDOFF_M + 0.004, "mate", "position_error_mm", 4.0, 0),
                 # a port that looks elsewhere, by a known angle
                 (("scenario", "port", "axis_I"), [0.0, math.sin(tilt), -math.cos(tilt)], "dock",
                  "pointing_error_deg", 0.4, 0),
                 (("scenario", "port", "axis_I"), [0.0, math.sin(1.5 * tilt), -math.cos(1.5 * tilt)], "dock",
                  "pointing_error_deg", 0.6, 3),
-                (("choice", "ring_angle_rad"), math.pi - 2 * tilt, "mate", "pointing_error_deg", 0.8, 3),
+                (("plan", "quote", "choice", "ring_angle_rad"), math.pi - 2 * tilt, "mate", "pointing_error_deg", 0.8, 3),
                 # docking the wrong end: a beam's length away, and backwards
-                (("choice", "beam_contact"), 1, "dock", "position_error_mm", 1000 * BEAM_LENGTH_M, 3),
-                (("choice", "beam_contact"), 1, "dock", "pointing_error_deg", 180.0, 3),
+                (("plan", "quote", "choice", "contact"), 1, "dock", "position_error_mm", 1000 * BEAM_LENGTH_M, 3),
+                (("plan", "quote", "choice", "contact"), 1, "dock", "pointing_error_deg", 180.0, 3),
         ]:
             with self.subTest(path=path, value=value):
                 self.assertAlmostEqual(self.judged(changed(path, value), code)[event][name], expected, delta=1e-6 * expected)
 
     def test_a_beam_that_mates_askew_docks_askew(self):
         tilt = math.radians(0.2)
-        plan = changed(("scenario", "X_IB", "q_IB"), [math.cos(tilt / 2), math.sin(tilt / 2), 0.0, 0.0])
+        plan = changed(("scenario", "X_IB", "q"), [math.cos(tilt / 2), math.sin(tilt / 2), 0.0, 0.0])
         dock = self.judged(plan, 3)["dock"]
         self.assertAlmostEqual(dock["pointing_error_deg"], 0.2, delta=1e-4)
         self.assertAlmostEqual(dock["position_error_mm"], 1000 * BEAM_LENGTH_M * math.sin(tilt / 2), delta=0.01)
@@ -148,7 +164,7 @@ class HandMadePlan(unittest.TestCase):
     def test_impulse_left_over_shows_as_residual_speed(self):
         extra_Ns = 0.2
         plan = hand_made_plan()
-        last = plan["timeline"]["segments"][-1]
+        last = plan["plan"]["segments"][-1]
         for thruster, sign in ((0, 1), (1, -1)):
             last["u_start_N"][thruster] += sign * extra_Ns / 2 / last["duration_s"]
             last["u_end_N"][thruster] += sign * extra_Ns / 2 / last["duration_s"]
@@ -159,16 +175,16 @@ class HandMadePlan(unittest.TestCase):
 
     def test_figures_that_the_plan_claims_are_compared_with_those_flown(self):
         for path, value, outside in [
-                (("cost", "impulse_Ns"), lambda f: 1.004 * f, None),
-                (("cost", "impulse_Ns"), lambda f: 1.006 * f, "impulse.error_percent"),
-                (("cost", "time_s"), lambda t: t + 0.9e-6, None),
-                (("cost", "time_s"), lambda t: t - 1.1e-6, "time.error_us")]:
+                (("plan", "quote", "impulse_Ns"), lambda f: 1.004 * f, None),
+                (("plan", "quote", "impulse_Ns"), lambda f: 1.006 * f, "impulse.error_percent"),
+                (("plan", "quote", "time_s"), lambda t: t + 0.9e-6, None),
+                (("plan", "quote", "time_s"), lambda t: t - 1.1e-6, "time.error_us")]:
             with self.subTest(path=path, outside=outside):
                 self.assertEqual(self.judged(changed(path, value), 0 if outside is None else 3)["outside"],
                                  [] if outside is None else [outside])
 
     def test_thrust_above_the_limit_is_outside_even_by_a_hair(self):
-        largest = max(abs(u) for s in hand_made_plan()["timeline"]["segments"] for u in s["u_start_N"] + s["u_end_N"])
+        largest = max(abs(u) for s in hand_made_plan()["plan"]["segments"] for u in s["u_start_N"] + s["u_end_N"])
         place = ("scenario", "vehicle", "force_max_N")
         self.assertEqual(self.judged(changed(place, largest), 0)["thrust"]["max_over_force_max"], 1.0)
         self.assertEqual(self.judged(changed(place, largest * (1 - 1e-8)), 3)["outside"], ["thrust.max_over_force_max"])
@@ -189,8 +205,8 @@ class HandMadePlan(unittest.TestCase):
             return product(product(q, [0.0, *v]), [q[0], -q[1], -q[2], -q[3]])[1:]
 
         scene = turned["scenario"]
-        for pose, p, att in (("X_IS", "p_IS_m", "q_IS"), ("X_IB", "p_IB_m", "q_IB")):
-            scene[pose][p], scene[pose][att] = rotate(scene[pose][p]), product(q, scene[pose][att])
+        for body in ("X_IS", "X_IB"):
+            scene[body] = pose(rotate(scene[body]["p_m"]), product(q, scene[body]["q"]))
         scene["port"] = {"p_IP_m": rotate(scene["port"]["p_IP_m"]), "axis_I": rotate(scene["port"]["axis_I"])}
         self.assertAlmostEqual(self.judged(turned, 0)["dock"]["position_error_mm"],
                                self.judged(plan, 0)["dock"]["position_error_mm"], delta=1e-6)
@@ -209,12 +225,15 @@ class BadPlanFile(unittest.TestCase):
     def test_a_file_that_is_not_json_is_refused_with_its_line(self):
         for text in ("", "{", "\x00\x01\xff", '{"status": "ok",\n "status": "ok"}', "[" * 100000, '{"cost": NaN}', "{}{}"):
             with self.subTest(text=text[:20]):
-                self.refused(text.encode("latin-1"), "line ", "not a plan in JSON")
+                self.refused(text.encode("latin-1"), "standard input:", "not JSON from here on")
 
     def test_json_that_is_not_a_plan_is_refused_with_what_is_missing(self):
-        self.refused("[]", "status")
-        self.refused("{}", "status: is missing")
-        self.refused({"status": "infeasible", "reason": "too far"}, "only an \"ok\" plan can be flown", "too far")
+        self.refused("[]", "plan: this key is missing")
+        self.refused("{}", "plan: this key is missing")
+        self.refused({"plan": hand_made_plan()["plan"]}, "scenario: this key is missing")
+        plan = changed(("plan", "quote", "status"), "infeasible")
+        plan["plan"]["quote"]["reason"] = "too far"
+        self.refused({"plan": plan["plan"]}, "only an \"ok\" plan can be flown", "too far")
 
     def test_every_key_that_the_replay_needs_is_missed_by_name(self):
         plan, paths = hand_made_plan(), []
@@ -225,13 +244,7 @@ class BadPlanFile(unittest.TestCase):
                 walk(value[key], path + (key,))
 
         walk(plan, ())
-        not_read = {("reason",), ("cost", "J"), ("choice", "candidates"), ("scenario", "weights"),
-                    ("scenario", "weights", "time"), ("scenario", "weights", "impulse"), ("scenario", "method"),
-                    ("scenario", "vehicle", "radius_m"), ("scenario", "beam", "radius_m"),
-                    ("scenario", "attach_heights_m", 0)}
         for path in paths:
-            if path in not_read:
-                continue
             with self.subTest(path=path):
                 run = replay(changed(path, None))
                 self.assertEqual(run.returncode, 2, run.stdout.decode())
@@ -240,35 +253,40 @@ class BadPlanFile(unittest.TestCase):
 
     def test_values_that_make_no_sense_are_refused_with_their_path(self):
         for path, value, *words in [
-                (("scenario", "vehicle", "mass_kg"), 0, "scenario.vehicle.mass_kg: 0 is outside"),
-                (("scenario", "vehicle", "mass_kg"), "heavy", "scenario.vehicle.mass_kg: must be a number"),
-                (("scenario", "beam", "inertia_kg_m2", 1), -1, "scenario.beam.inertia_kg_m2[1]: -1 is outside"),
+                (("scenario", "vehicle", "body", "mass_kg"), 0, "scenario.vehicle.body.mass_kg: 0 is outside"),
+                (("scenario", "vehicle", "body", "mass_kg"), "heavy", "scenario.vehicle.body.mass_kg: 'heavy' is not a number"),
+                (("scenario", "beam", "body", "inertia_kg_m2", 1), -1, "scenario.beam.body.inertia_kg_m2[1]: -1 is outside"),
                 (("scenario", "beam", "drag_strip_kg_m2"), 1e300, "scenario.beam.drag_strip_kg_m2"),
-                (("scenario", "X_IS", "q_IS"), [1, 0, 0, 0.1], "scenario.X_IS.q_IS: has length 1.00498756, must be 1"),
-                (("scenario", "X_IB", "q_IB"), [0, 0, 0, 0], "scenario.X_IB.q_IB: has length 0"),
+                (("scenario", "X_IS", "q"), [1, 0, 0, 0.1], "scenario.X_IS.q: has length 1.00498756, must be 1"),
+                (("scenario", "X_IB", "q"), [0, 0, 0, 0], "scenario.X_IB.q: has length 0"),
                 (("scenario", "port", "axis_I"), [0, 0, 0.5], "scenario.port.axis_I"),
-                (("scenario", "vehicle", "thrusters", 3, "n_T_S"), [1, 1, 0], "scenario.vehicle.thrusters[3].n_T_S"),
-                (("scenario", "vehicle", "thrusters"), [], "scenario.vehicle.thrusters: must be a list of 6"),
-                (("scenario", "vehicle", "thrusters"), 6, "scenario.vehicle.thrusters: must be a list"),
-                (("scenario", "attach_heights_m"), [1.5, -1.5], "choice.attach_height_m: 0 is not among"),
-                (("scenario", "contact"), 1, "choice.beam_contact: 2 is not the 1"),
-                (("scenario", "ring_angle_rad"), 0.5, "choice.ring_angle_rad"),
-                (("choice", "beam_contact"), 3, "choice.beam_contact: 3 is neither"),
-                (("choice", "attach_height_m"), 2.0, "choice.attach_height_m"),
-                (("timeline", "segments", 2, "t_s"), 8.1, "timeline.segments[2]: starts at t_s 8.1, must start at 8"),
-                (("timeline", "segments", 2, "duration_s"), 0, "timeline.segments[2]: duration_s must be positive"),
-                (("timeline", "segments", 1, "leg"), 3, "timeline.segments[1]: leg 3"),
-                (("timeline", "segments", 2, "leg"), 0.5, "timeline.segments[2].leg: must be a whole number"),
-                (("timeline", "segments", 4, "leg"), 0, "timeline.segments[4]: leg 0"),
-                (("timeline", "segments", 1, "u_end_N"), [1, 2, 3], "timeline.segments[1].u_end_N: must be a list of 6"),
-                (("timeline", "segments", 1, "u_end_N", 5), "full", "timeline.segments[1].u_end_N[5]: must be a number"),
-                (("legs", 1, "phase"), "transfer", "legs[1]: must be of phase \"transit\""),
-                (("timeline", "segments", 5, "duration_s"), 2e5, "timeline: lasts 200088 s, at most 100000 s"),
-                (("events", 0, "t_s"), 67.0, "events[0]: t_s 67 is not where a timeline segment ends"),
-                (("events", 1, "t_s"), 88.0, "events[1]: must be where the timeline ends, at t_s 108"),
-                (("events", 0, "kind"), "dock", "events[0]: must be of kind \"mate\""),
-                (("events",), [], "events: must be two"),
-                (("cost", "time_s"), -1, "cost.time_s: -1 is outside"),
+                (("scenario", "vehicle", "thruster", 3, "n_T_S"), [1, 1, 0], "scenario.vehicle.thruster[3].n_T_S"),
+                (("scenario", "vehicle", "thruster"), [], "scenario.vehicle.thruster: 0 entries, there must be exactly 6"),
+                (("scenario", "vehicle", "thruster"), 6, "scenario.vehicle.thruster: not a list of 6"),
+                (("scenario", "options", "attach_heights_m", 0), 1.5, "plan.quote.choice.attach_height_m: 0 is not among"),
+                (("scenario", "contact"), 1, "plan.quote.choice.contact: 2 is not the 1"),
+                (("scenario", "options", "ring_angle_given"), True, "plan.quote.choice.ring_angle_rad"),
+                (("plan", "quote", "choice", "contact"), 3, "plan.quote.choice.contact: 3 is neither"),
+                (("plan", "quote", "choice", "attach_height_m"), 2.0, "plan.quote.choice.attach_height_m"),
+                (("plan", "segments", 2, "t_s"), 8.1, "plan.segments[2]: starts at t_s 8.1, must start at 8"),
+                (("plan", "segments", 2, "duration_s"), 0, "plan.segments[2]: duration_s must be positive"),
+                (("plan", "segments", 1, "leg"), 3, "plan.segments[1]: leg 3"),
+                (("plan", "segments", 2, "leg"), 0.5, "plan.segments[2].leg: a number is not a whole number"),
+                (("plan", "segments", 2, "leg"), 128, "plan.segments[2].leg: 128 is outside [-128, 127]"),
+                (("plan", "segments", 4, "leg"), 0, "plan.segments[4]: leg 0"),
+                (("plan", "segments", 1, "u_end_N"), [1, 2, 3], "plan.segments[1].u_end_N: 3 entries, there must be exactly 6"),
+                (("plan", "segments", 1, "u_end_N", 5), "full", "plan.segments[1].u_end_N[5]: 'full' is not a number"),
+                (("plan", "num_segments"), 129, "plan.segments: 129 entries are counted, there may be 0 to 128"),
+                (("plan", "num_segments"), 5, "plan.segments: 6 entries, there must be exactly 5"),
+                (("plan", "legs", 1, "phase"), "transfer", "plan.legs[1]: must be of phase \"transit\""),
+                (("plan", "legs", 1, "phase"), "rest", "plan.legs[1].phase: 'rest' is none of transit, transfer"),
+                (("plan", "plan_hash"), "xyz", "plan.plan_hash: not a text of 16 hex digits"),
+                (("plan", "segments", 5, "duration_s"), 2e5, "plan.segments: last 200088 s, at most 100000 s"),
+                (("plan", "events", 0, "t_s"), 67.0, "plan.events[0]: t_s 67 is not where a timeline segment ends"),
+                (("plan", "events", 1, "t_s"), 88.0, "plan.events[1]: must be where the timeline ends"),
+                (("plan", "events", 0, "kind"), "dock", "plan.events[0]: must be of kind \"mate\""),
+                (("plan", "events"), [], "plan.events: 0 entries, there must be exactly 2"),
+                (("plan", "quote", "time_s"), -1, "plan.quote.time_s: -1 is outside"),
         ]:
             with self.subTest(path=path, value=value):
                 self.refused(changed(path, value), *words)
@@ -342,19 +360,20 @@ class PlannedFlight(unittest.TestCase):
             for weights, ramp in (("1,0", "full_reverse"), ("0,1", "drag_only")):
                 with self.subTest(scenario=scenario.name, weights=weights):
                     file, plan = self.plan(scenario, weights, "--method", "paper")
-                    self.assertTrue(plan["legs"])
-                    self.assertEqual({leg["ramp"] for leg in plan["legs"]}, {ramp})
+                    self.assertTrue(plan["plan"]["legs"])
+                    self.assertEqual({leg["ramp"] for leg in plan["plan"]["legs"]}, {ramp})
                     self.assert_arrives(file, f"{scenario.stem}, {ramp}")
 
     def test_every_scenario_arrives_by_method_optimal_at_a_price_between_the_lower_bound_and_the_paper_s(self):
         self.print_head()
         for scenario, weights in itertools.product(SCENARIOS, ("1,0", "1,0.1", "1,1", "0.01,1")):
-            paper = self.plan(scenario, weights, "--method", "paper")[1]["cost"]
+            paper = self.plan(scenario, weights, "--method", "paper")[1]["plan"]["quote"]
             for effort in ("quick", "best"):
                 with self.subTest(scenario=scenario.name, weights=weights, effort=effort):
                     file, plan = self.plan(scenario, weights, "--method", "optimal", "--effort", effort)
-                    self.assertLessEqual(plan["cost"]["J"], paper["J"])
-                    self.assertLessEqual(plan["cost"]["J_lower_bound"], plan["cost"]["J"])
+                    quote = plan["plan"]["quote"]
+                    self.assertLessEqual(quote["cost"], paper["cost"])
+                    self.assertLessEqual(quote["cost_lower_bound"], quote["cost"])
                     self.assert_arrives(file, f"{scenario.stem}, {weights}, {effort}")
 
 

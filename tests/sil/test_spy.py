@@ -92,12 +92,23 @@ def start_planner(test, url):
     test.addCleanup(stop, process)
 
 
-def pose(wire):
-    return {"p_IS_m": wire["p_m"], "q_IS": wire["q"]}
+# By key and, where two types have that key, by one beside it.
+WORDS = {"status": ("ok", "infeasible", "invalid", "numeric_overflow"), "phase": ("transit", "transfer"),
+         "ramp": ("full_reverse", "drag_only", "optimal"), "method": ("optimal", "paper"), "effort": ("quick", "best"),
+         ("kind", "phase"): ("translate", "turn", "screw"), ("kind", "t_s"): ("mate", "dock")}
 
 
-def renamed(fields, **names):
-    return {names.get(name, name): value for name, value in fields.items()}
+def in_json(wire):
+    """The fields of a message as JSON should have them: words for enums, digits for hashes."""
+    if isinstance(wire, list):
+        return [in_json(element) for element in wire]
+    if not isinstance(wire, dict):
+        return wire
+    fields = {}
+    for key, value in wire.items():
+        words = next((WORDS[name] for name in WORDS if name == key or (name[0] == key and name[1] in wire)), None)
+        fields[key] = (f"{value % 2**64:016x}" if key.endswith("_hash") else words[value] if words else in_json(value))
+    return fields
 
 
 class WatchingThePlanner(unittest.TestCase):
@@ -122,14 +133,14 @@ class WatchingThePlanner(unittest.TestCase):
                                timeout=DEADLINE_S)
         self.assertEqual(asked.returncode, 0, asked.stderr)
         received = json.loads(asked.stdout)
-        request_id = received["request_id"]
+        request_id = received["plan"]["quote"]["request_id"]
 
         scenario = probe.wait_for("the question", lambda m: m["channel"] == SCENARIO)
         self.assertEqual(scenario["type"], "ssv.scenario_t")
-        self.assert_same_scenario(scenario["fields"], received["scenario"])
+        self.assertEqual(in_json(scenario["fields"]), received["scenario"])
         plan = probe.wait_for("the plan", lambda m: m["channel"] == PLAN)
         self.assertEqual(plan["type"], "ssv.plan_t")
-        self.assert_same_plan(plan["fields"], received)
+        self.assertEqual(in_json(plan["fields"]), received["plan"])
 
         status_after = probe.wait_for("that one scenario was accepted",
                                       lambda m: m["channel"] == STATUS and m["fields"]["accepted"] > 0)
@@ -154,16 +165,12 @@ class WatchingThePlanner(unittest.TestCase):
 
         batch = probe.wait_for("the batch", lambda m: m["channel"] == BATCH)
         self.assertEqual((batch["type"], batch["fields"]["num_scenarios"]), ("ssv.scenario_batch_t", len(files)))
-        for scenario, quote in zip(batch["fields"]["scenarios"], received):
-            self.assertEqual(pose(scenario["X_IS"]), quote["scenario"]["X_IS"])
+        for scenario, row in zip(batch["fields"]["scenarios"], received):
+            self.assertEqual(in_json(scenario), row["scenario"])
         answer = probe.wait_for("the quotes", lambda m: m["channel"] == QUOTES)
         self.assertEqual((answer["type"], answer["fields"]["num_quotes"]), ("ssv.quote_batch_t", len(files)))
-        for wire, quote in zip(answer["fields"]["quotes"], received):
-            self.assertEqual((wire["cost"], wire["cost_lower_bound"]), (quote["cost"]["J"], quote["cost"]["J_lower_bound"]))
-            named = [renamed(candidate, contact="beam_contact", cost="J") for candidate in wire["candidates"]]
-            self.assertEqual(named, quote["candidates"])
-            self.assertEqual([(point["time_s"], point["impulse_Ns"]) for point in wire["front"]],
-                             [(point["time_s"], point["impulse_Ns"]) for point in quote["front"]])
+        for quote, row in zip(answer["fields"]["quotes"], received):
+            self.assertEqual(in_json(quote), row["quote"])
         status = probe.wait_for("that the batch was priced", lambda m: m["channel"] == STATUS and m["fields"]["batches"] > 0)
         self.assertEqual((status["fields"]["batches"], status["fields"]["quoted"]), (1, len(files)))
         self.assertEqual((status["fields"]["scenario_batch_type_hash"], status["fields"]["quote_batch_type_hash"]),
@@ -191,38 +198,6 @@ class WatchingThePlanner(unittest.TestCase):
         bus.publish("OTHER_VERSION", struct.pack(">q", type_hash ^ 1) + captured[0][8:])
         other = probe.wait_for("the changed status", lambda m: m["channel"] == "OTHER_VERSION")
         self.assertIsNone(other["type"])
-
-    def assert_same_scenario(self, wire, asked):
-        self.assertEqual((wire["request_id"], wire["epoch_us"]), (asked["request_id"], asked["epoch_us"]))
-        self.assertEqual(wire["vehicle"]["body"] | {"radius_m": wire["vehicle"]["radius_m"],
-                                                    "force_max_N": wire["vehicle"]["force_max_N"],
-                                                    "thrusters": wire["vehicle"]["thruster"]}, asked["vehicle"])
-        self.assertEqual(wire["beam"]["body"] | {name: value for name, value in wire["beam"].items() if name != "body"},
-                         asked["beam"])
-        self.assertEqual(pose(wire["X_IS"]), asked["X_IS"])
-        self.assertEqual(wire["port"], asked["port"])
-        self.assertEqual(wire["options"]["ring_angle_rad"], asked["ring_angle_rad"])
-
-    def assert_same_plan(self, wire, received):
-        quote = wire["quote"]
-        self.assertEqual((quote["request_id"], quote["status"], quote["reason"]), (received["request_id"], 0, ""))
-        self.assertEqual([f"{bits % 2**64:016x}" for bits in (quote["scenario_hash"], wire["plan_hash"])],
-                         [received["scenario_hash"], received["plan_hash"]])
-        cost = {"J": quote["cost"], "J_lower_bound": quote["cost_lower_bound"], "time_s": quote["time_s"],
-                "impulse_Ns": quote["impulse_Ns"]}
-        self.assertEqual(cost, received["cost"])
-        self.assertEqual(renamed(quote["choice"], contact="beam_contact"), received["choice"])
-        self.assertEqual([renamed(candidate, contact="beam_contact", cost="J") for candidate in quote["candidates"]],
-                         received["candidates"])
-        self.assertEqual([leg | {"phase": ("transit", "transfer")[leg["phase"]],
-                                 "kind": ("translate", "turn", "screw")[leg["kind"]],
-                                 "ramp": ("full_reverse", "drag_only")[leg["ramp"]],
-                                 "X_IS_start": pose(leg["X_IS_start"]), "X_IS_end": pose(leg["X_IS_end"])}
-                          for leg in wire["legs"]],
-                         [renamed(leg, pose_start="X_IS_start", pose_end="X_IS_end") for leg in received["legs"]])
-        self.assertEqual(wire["segments"], received["timeline"]["segments"])
-        self.assertEqual([event | {"kind": ("mate", "dock")[event["kind"]]} for event in wire["events"]], received["events"])
-        self.assertEqual(pose(wire["X_IS_final"]), received["final"]["vehicle"])
 
 
 class OpeningTheWindow(unittest.TestCase):

@@ -81,7 +81,8 @@ def download(folder):
     (folder / "parts" / f"unity{suffix}").write_text(source)
     apt = ["apt-get", "-qq", "-o", "Dir::Etc::SourceList=/dev/null", "-o", f"Dir::Etc::SourceParts={folder}/parts",
            "-o", f"Dir::State::Lists={folder}/lists", "-o", f"Dir::Cache={folder}/cache",
-           "-o", "Acquire::Languages=none", "-o", "APT::Sandbox::User="]
+           "-o", "Acquire::Languages=none", "-o", "APT::Sandbox::User=",
+           "-o", "APT::Update::Error-Mode=any"]  # or an update that fetched nothing would pass for one that did
     for command in (["update"], ["source", "--download-only", "--tar-only", PACKAGE]):
         done = subprocess.run(apt + command, cwd=folder, capture_output=True, text=True)
         if done.returncode != 0:

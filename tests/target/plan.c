@@ -5,8 +5,8 @@
 #include <stdio.h>
 
 #include "board.h"
+#include "sample.h"
 #include "shipped.h"
-#include "tasks.h"
 
 #define SEED 20261122u
 #define NUM_RANDOM 60
@@ -48,9 +48,9 @@ int main(void) {
             if (try(shipped[k].name, &scenario) != SSV_OK) missing++;
         }
     }
-    task_seed(SEED);
+    sample_seed(SEED);
     for (int i = 0; i < NUM_RANDOM; i++) {
-        ssv_scenario_t scenario = task_random();
+        ssv_scenario_t scenario = sample_scenario();
         scenario.method = i % 2 == 0 ? SSV_METHOD_OPTIMAL : SSV_METHOD_PAPER;
         scenario.want_candidates = false;
         char name[] = "random_00";

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "planner/model/fields.def"
 #include "scenario_file.h"
 #include "ssv/planner.h"
 
@@ -12,65 +13,22 @@ static void print_list(const double* values, int count) {
     printf("}");
 }
 
-static void print_number(const char* field, double value) { printf("     .%s = REAL(%a),\n", field, value); }
-
-static void print_numbers(const char* field, const double* values, int count) {
-    printf("     .%s = ", field);
-    print_list(values, count);
+// How a field is written, by its kind.
+#define PRINT_REAL(value) printf("REAL(%a)", value)
+#define PRINT_VEC3(value) print_list(value, 3)
+#define PRINT_UNIT(value) print_list(value, 3)
+#define PRINT_QUAT(value) print_list(value, 4)
+#define PRINT_INT(value) printf("%d", value)
+#define PRINT_BOOL(value) printf("%d", value)
+#define PRINT_ENUM(type) printf("(" #type ")"), PRINT_INT
+#define PRINT_HEIGHT(k) PRINT_REAL
+#define PRINT_RING(value) PRINT_REAL(value)
+#define PRINT_FIELD(kind, core, wire, min, max, unit, text)                                                            \
+    printf("     ." #core " = ");                                                                                      \
+    PRINT_##kind(scenario->wire);                                                                                      \
     printf(",\n");
-}
 
-static void print_pose(const char* field, const lcm_ssv_pose_t* X) {
-    printf("     .%s = {", field);
-    print_list(X->p_m, 3);
-    printf(", ");
-    print_list(X->q, 4);
-    printf("},\n");
-}
-
-static void print_body(const char* field, const lcm_ssv_body_t* body) {
-    printf("     .%s = {REAL(%a), ", field, body->mass_kg);
-    print_list(body->inertia_kg_m2, 3);
-    printf(", ");
-    print_list(body->added_mass_kg, 3);
-    printf(", REAL(%a), REAL(%a), REAL(%a), REAL(%a)},\n", body->drag_lin_kg_s, body->drag_quad_kg_m,
-           body->drag_lin_ang_Nm_s, body->drag_quad_ang_Nm_s2);
-}
-
-static void print_scenario(const lcm_ssv_scenario_t* scenario) {
-    print_body("vehicle.body", &scenario->vehicle.body);
-    print_number("vehicle.radius_m", scenario->vehicle.radius_m);
-    print_number("vehicle.force_max_N", scenario->vehicle.force_max_N);
-    printf("     .vehicle.thruster = {");
-    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-        printf("%s\n      {", i == 0 ? "" : ",");
-        print_list(scenario->vehicle.thruster[i].p_ST_m, 3);
-        printf(", ");
-        print_list(scenario->vehicle.thruster[i].n_T_S, 3);
-        printf("}");
-    }
-    printf("},\n");
-    print_body("beam.body", &scenario->beam.body);
-    print_number("beam.radius_m", scenario->beam.radius_m);
-    print_number("beam.length_m", scenario->beam.length_m);
-    print_number("beam.drag_strip_kg_m2", scenario->beam.drag_strip_kg_m2);
-    print_pose("X_IS", &scenario->X_IS);
-    print_pose("X_IB", &scenario->X_IB);
-    print_numbers("p_IP_m", scenario->port.p_IP_m, 3);
-    print_numbers("axis_I", scenario->port.axis_I, 3);
-    printf("     .contact = %d,\n", scenario->contact);
-    print_number("standoff_m", scenario->standoff_m);
-    print_number("weight_time_per_s", scenario->weight_time_per_s);
-    print_number("weight_impulse_per_Ns", scenario->weight_impulse_per_Ns);
-    printf("     .method = (ssv_method_t)%d,\n", scenario->options.method);
-    printf("     .effort = (ssv_effort_t)%d,\n", scenario->options.effort);
-    printf("     .num_attach_heights = %d,\n", scenario->options.num_attach_heights);
-    print_numbers("attach_heights_m", scenario->options.attach_heights_m, SSV_MAX_ATTACH_HEIGHTS);
-    printf("     .attach_anywhere = %d,\n", scenario->options.attach_anywhere);
-    printf("     .want_candidates = %d,\n", scenario->options.want_candidates);
-    printf("     .ring_angle_given = %d,\n", scenario->options.ring_angle_given);
-    print_number("ring_angle_rad", scenario->options.ring_angle_rad);
-}
+static void print_scenario(const lcm_ssv_scenario_t* scenario) { SSV_FIELDS(PRINT_FIELD) }
 
 int main(int argc, char** argv) {
     if (argc < 3) {

@@ -1,7 +1,7 @@
 // Demands and thrust coefficients of moving bodies: the model's check values, closed forms, momentum.
 #include "planner/model/allocation.h"
 #include "planner/motion/maneuver.h"
-#include "tasks.h"
+#include "sample.h"
 #include "unity.h"
 
 static ssv_problem_t problem;
@@ -34,14 +34,14 @@ static void test_turn_of_the_pair_has_the_coefficients_of_the_model(void) {
          {-40.909, 40.909, -8.120, 8.120, 0, 0},
          {257.16, -257.16, 1989.69, 1989.69, 0, 0}},
         {{8.659, -8.659, 66.097, 62.660, 0, 0}, {0, 0, 0, 0, 0, 0}, {312.88, -312.88, 2389.74, 2372.42, 0, 0}}};
-    const ssv_scenario_t scenario = task_case_study(true);
+    const ssv_scenario_t scenario = scenario_case_study(true);
     init(&scenario);
     const ssv_assembly_t pair = held_at_the_end();
     for (int pivot = 0; pivot < 2; pivot++) {
         const vec3_t p = pivot == 0 ? ssv_body_centre(&pair) : none;
-        const ssv_move_t turn = ssv_move_turn(SSV_TRANSFER, vec3(0, 0, 1), 1, p);
+        const ssv_maneuver_t turn = ssv_maneuver_turn(SSV_TRANSFER, vec3(0, 0, 1), 1, p);
         ssv_thrusts_t t;
-        ssv_move_thrusts(&problem, &pair, turn.twist, &t);
+        ssv_maneuver_thrusts(&problem, &pair, turn.twist, &t);
         for (int i = 0; i < 6; i++) { // tolerance: the table's printed digits
             TEST_ASSERT_DOUBLE_WITHIN(5.1e-4, table[pivot][0][i], t.accel[i]);
             TEST_ASSERT_DOUBLE_WITHIN(5.1e-4, table[pivot][1][i], t.linear[i]);
@@ -52,7 +52,7 @@ static void test_turn_of_the_pair_has_the_coefficients_of_the_model(void) {
 
 static ssv_demand_t demand_of(const ssv_beam_t* beam, vec3_t p_SB, ssv_twist_t twist) {
     static ssv_vehicle_t still;
-    still = task_vehicle();
+    still = model_vehicle();
     still.body.mass_kg = still.body.drag_lin_kg_s = still.body.drag_quad_ang_Nm_s2 = 0;
     still.body.inertia_kg_m2 = none;
     const ssv_assembly_t pair = {&still, beam, {p_SB, {1, 0, 0, 0}}};
@@ -62,7 +62,7 @@ static ssv_demand_t demand_of(const ssv_beam_t* beam, vec3_t p_SB, ssv_twist_t t
 }
 
 static ssv_beam_t weightless_tube(void) {
-    ssv_beam_t beam = task_beam(true);
+    ssv_beam_t beam = model_beam(true);
     beam.body.mass_kg = 0;
     beam.body.inertia_kg_m2 = none;
     return beam;
@@ -92,10 +92,10 @@ static void test_tube_turned_about_its_end_feels_the_integral_of_its_strips(void
 
 static void test_strip_drag_of_any_twist_matches_a_fine_sum_over_strips(void) {
     const uint64_t seed = 11;
-    task_seed(seed);
+    sample_seed(seed);
     const ssv_beam_t tube = weightless_tube();
     for (int trial = 0; trial < 200; trial++) {
-        const ssv_twist_t twist = {task_vector(trial % 3 == 0 ? 0.1 : 2), task_vector(1)};
+        const ssv_twist_t twist = {sample_vector(trial % 3 == 0 ? 0.1 : 2), sample_vector(1)};
         const ssv_demand_t d = demand_of(&tube, none, twist);
         vec3_t force = none, moment = none;
         const int strips = 20000;
@@ -116,7 +116,7 @@ static void test_strip_drag_of_any_twist_matches_a_fine_sum_over_strips(void) {
 }
 
 static void test_vehicle_alone_demands_its_mass_drag_and_added_mass_along_each_axis(void) {
-    ssv_vehicle_t vehicle = task_vehicle();
+    ssv_vehicle_t vehicle = model_vehicle();
     vehicle.body.added_mass_kg = vec3(10, 20, 30);
     vehicle.body.drag_quad_kg_m = 7;
     const ssv_assembly_t alone = {&vehicle, NULL, {{0, 0, 0}, {1, 0, 0, 0}}};
@@ -131,7 +131,7 @@ static void test_vehicle_alone_demands_its_mass_drag_and_added_mass_along_each_a
 }
 
 static void test_pair_centre_is_that_of_table_6(void) {
-    const ssv_scenario_t scenario = task_case_study(false);
+    const ssv_scenario_t scenario = scenario_case_study(false);
     init(&scenario);
     const ssv_assembly_t pair = held_at_the_end();
     const vec3_t c = ssv_body_centre(&pair);
@@ -141,7 +141,7 @@ static void test_pair_centre_is_that_of_table_6(void) {
 
 static void test_flight_of_the_pair_holds_full_wrench_with_10_62_newtons(void) {
     // Table 6: along y the thrusters at x = +-R_S share 6 N and 6 (R_S - c) / (R_S + c) N when the force acts at C.
-    const ssv_scenario_t scenario = task_case_study(false);
+    const ssv_scenario_t scenario = scenario_case_study(false);
     init(&scenario);
     const ssv_assembly_t pair = held_at_the_end();
     const vec3_t c = ssv_body_centre(&pair), force = vec3(0, 1, 0);
@@ -152,11 +152,11 @@ static void test_flight_of_the_pair_holds_full_wrench_with_10_62_newtons(void) {
 
 static void test_allocation_makes_the_wrench_that_was_asked_for(void) {
     const uint64_t seed = 3;
-    task_seed(seed);
+    sample_seed(seed);
     for (int trial = 0; trial < 100; trial++) {
-        const ssv_scenario_t scenario = task_random();
+        const ssv_scenario_t scenario = sample_scenario();
         init(&scenario);
-        const vec3_t force = task_vector(5), moment = task_vector(2);
+        const vec3_t force = sample_vector(5), moment = sample_vector(2);
         double u[6];
         ssv_alloc(&problem.allocation, force, moment, u);
         vec3_t f = none, m = none;
@@ -172,13 +172,13 @@ static void test_allocation_makes_the_wrench_that_was_asked_for(void) {
 
 static void test_thrusters_that_miss_a_direction_are_singular(void) {
     ssv_allocation_t inverse;
-    ssv_vehicle_t vehicle = task_vehicle();
+    ssv_vehicle_t vehicle = model_vehicle();
     vehicle.thruster[5] = vehicle.thruster[4];
     TEST_ASSERT_EQUAL_INT(SSV_E_SINGULAR, ssv_alloc_init(&vehicle, &inverse));
-    vehicle = task_vehicle();
+    vehicle = model_vehicle();
     for (int i = 0; i < 6; i++) vehicle.thruster[i].p_ST_m = none;
     TEST_ASSERT_EQUAL_INT(SSV_E_SINGULAR, ssv_alloc_init(&vehicle, &inverse));
-    vehicle = task_vehicle();
+    vehicle = model_vehicle();
     vehicle.thruster[5].p_ST_m = vec3(0, 0.3024, 0); // next to its partner: six directions on paper, five in the water
     TEST_ASSERT_EQUAL_INT(SSV_E_SINGULAR, ssv_alloc_init(&vehicle, &inverse));
 }

@@ -1,4 +1,4 @@
-// Vectors, poses, laws, profiles and timelines in every scalar: what is short, slow or nearly equal keeps its digits,
+// Vectors, poses, arcs, profiles and timelines in every scalar: what is short, slow or nearly equal keeps its digits,
 // too.
 #include <math.h>
 #include <string.h>
@@ -8,14 +8,14 @@
 #include "planner/profile/profile.h"
 #include "planner/profile/ramp.h"
 #include "planner/segments.h"
-#include "tasks.h"
+#include "sample.h"
 #include "unity.h"
 
 #define NUM_SIZES 9 // 1 down to 1e-8
 #define NUM_OF_EACH 2000
 #define FLIGHT_M 11.0L
 
-void setUp(void) { task_seed(20261122); }
+void setUp(void) { sample_seed(20261122); }
 void tearDown(void) {}
 
 static long double size_of(vec3_t a) {
@@ -26,7 +26,7 @@ static vec3_t shorter(vec3_t a, int size) { return vec3_scale(real_from_double(p
 
 static void test_the_length_of_a_vector_is_as_good_as_its_components(void) {
     for (int n = 0; n < NUM_SIZES * NUM_OF_EACH; n++) {
-        const vec3_t a = shorter(task_vector(1), n % NUM_SIZES);
+        const vec3_t a = shorter(sample_vector(1), n % NUM_SIZES);
         const long double expected = size_of(a);
         // Rounded are three squares, half a digit each, and the root, which makes 1 / (2 * 0.29) of their error: 0.29
         // is the shortest that is not scaled. In fixed point that counts in last digits, else in parts of the length.
@@ -39,8 +39,8 @@ static void test_the_length_of_a_vector_is_as_good_as_its_components(void) {
 static void test_a_flight_turns_as_far_as_its_twist_says_however_little_that_is(void) {
     const vec3_t zero = vec3(REAL(0), REAL(0), REAL(0));
     for (int n = 0; n < NUM_SIZES * NUM_OF_EACH; n++) {
-        const ssv_twist_t twist = {vec3(REAL(1), REAL(0), REAL(0)), shorter(task_vector(0.1), n % NUM_SIZES)};
-        const pose_t X = ssv_move_pose((pose_t){zero, quat_identity()}, twist, REAL(FLIGHT_M));
+        const ssv_twist_t twist = {vec3(REAL(1), REAL(0), REAL(0)), shorter(sample_vector(0.1), n % NUM_SIZES)};
+        const pose_t X = ssv_maneuver_pose((pose_t){zero, quat_identity()}, twist, REAL(FLIGHT_M));
         const long double turned = 2 * asinl(fminl(1, size_of(vec3(X.q.x, X.q.y, X.q.z))));
         // A part in a million of the turn, or what the last digits of twist and attitude amount to.
         const long double expected = FLIGHT_M * size_of(twist.w), allowed = 1e-6L * expected + 5e-9L;
@@ -51,10 +51,10 @@ static void test_a_flight_turns_as_far_as_its_twist_says_however_little_that_is(
 // Without a constant thrust, the distance between two speeds is log((b + c v_to) / (b + c v_from)) / c.
 static void test_a_slow_coast_is_as_long_as_its_drag_says(void) {
     const double b = -16.3, c = 300;
-    const real_t law[3] = {REAL(0), real_from_double(b), real_from_double(c)};
+    const real_t dv_dt[3] = {REAL(0), real_from_double(b), real_from_double(c)};
     for (int n = 0; n < NUM_OF_EACH; n++) {
-        const double fast = pow(10, task_between(-5, -2)), slow = fast * task_between(0.2, 0.6);
-        const ssv_moments_t m = ssv_law_integrals(law, real_from_double(fast), real_from_double(slow));
+        const double fast = pow(10, sample_between(-5, -2)), slow = fast * sample_between(0.2, 0.6);
+        const ssv_moments_t m = ssv_moments_between(dv_dt, real_from_double(fast), real_from_double(slow));
         const long double expected =
             log1pl((long double)(c * (slow - fast)) / (long double)(b + c * fast)) / (long double)c;
         // A part in ten thousand for the speeds' digits in fixed point, and its last digit.
@@ -62,16 +62,16 @@ static void test_a_slow_coast_is_as_long_as_its_drag_says(void) {
     }
 }
 
-// How far beyond its limit the leg's profile drives any thruster, at most, where a piece starts, ends, and in between.
+// How far beyond its limit the leg's profile drives any thruster, at most, where an arc starts, ends, and in between.
 static double beyond_the_limit_N(const ssv_thrusts_t* thrusts, const ssv_profile_t* profile) {
     double most = 0;
-    for (int k = 0; k < profile->num_pieces; k++) {
-        const ssv_piece_t* piece = &profile->piece[k];
+    for (int k = 0; k < profile->num_arcs; k++) {
+        const ssv_arc_t* arc = &profile->arc[k];
         for (int n = 0; n <= 4; n++) {
-            const double v = real_to_double(piece->v_start) + n / 4.0 * real_to_double(piece->v_end - piece->v_start);
-            double law[3];
-            for (int m = 0; m < 3; m++) law[m] = real_to_double(piece->law[m]);
-            const double a = law[0] + v * (law[1] + v * law[2]);
+            const double v = real_to_double(arc->v_start) + n / 4.0 * real_to_double(arc->v_end - arc->v_start);
+            double dv_dt[3];
+            for (int m = 0; m < 3; m++) dv_dt[m] = real_to_double(arc->dv_dt[m]);
+            const double a = dv_dt[0] + v * (dv_dt[1] + v * dv_dt[2]);
             for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
                 const double u = real_to_double(thrusts->accel[i]) * a + real_to_double(thrusts->linear[i]) * v +
                                  real_to_double(thrusts->quadratic[i]) * v * v;
@@ -88,15 +88,15 @@ static void test_no_thruster_is_driven_beyond_its_limit_where_two_nearly_mirror_
     static const ssv_ramp_t ramp[] = {SSV_OPTIMAL, SSV_FULL_REVERSE, SSV_DRAG_ONLY};
     for (int n = 0; n < 3 * NUM_OF_EACH; n++) {
         const ssv_rule_t rule = {ramp[n % 3], REAL(0.01), REAL(1), REAL(0.1), REAL(0)};
-        const double twin = 1 + task_between(-5e-5, 5e-5), third = task_between(15, 30);
+        const double twin = 1 + sample_between(-5e-5, 5e-5), third = sample_between(15, 30);
         const ssv_thrusts_t thrusts = {
             .accel = {REAL(2.76), real_from_double(-2.76 * twin), real_from_double(-third)},
-            .linear = {REAL(38.1), real_from_double(-38.1 * (1 + task_between(-1e-6, 1e-6)))},
-            .quadratic = {REAL(-1.72), REAL(1.72), real_from_double(task_between(-10, -1))},
+            .linear = {REAL(38.1), real_from_double(-38.1 * (1 + sample_between(-1e-6, 1e-6)))},
+            .quadratic = {REAL(-1.72), REAL(1.72), real_from_double(sample_between(-10, -1))},
             .force_max_N = REAL(6)};
         ssv_profile_t profile;
         const ssv_outcome_t outcome =
-            ssv_profile_solve(&thrusts, &rule, real_from_double(task_between(0.5, 5)), &profile);
+            ssv_profile_solve(&thrusts, &rule, real_from_double(sample_between(0.5, 5)), &profile);
         // Where the least thrust does not slow it, the vehicle does not drift.
         TEST_ASSERT_TRUE(outcome == SSV_FEASIBLE || (rule.ramp == SSV_DRAG_ONLY && outcome == SSV_NO_AUTHORITY));
         if (outcome != SSV_FEASIBLE) continue;
@@ -125,10 +125,10 @@ static void test_a_long_leg_cruises_at_the_cheapest_speed_past_thrusters_that_ha
                                            REAL(-0.155897), REAL(-0.25733)},
                              .force_max_N = REAL(6)};
     for (int n = 0; n < NUM_OF_EACH; n++) {
-        thrusts.accel[4] = real_from_double(task_between(0.008, 0.012));
+        thrusts.accel[4] = real_from_double(sample_between(0.008, 0.012));
         ssv_profile_t profile;
         TEST_ASSERT_EQUAL(SSV_FEASIBLE,
-                          ssv_profile_solve(&thrusts, &rule, real_from_double(task_between(10, 16)), &profile));
+                          ssv_profile_solve(&thrusts, &rule, real_from_double(sample_between(10, 16)), &profile));
         const double v = real_to_double(profile.peak_speed), cost = cost_of_cruise(&thrusts, &rule, v);
         // Cheaper than at a thousandth more or less, which costs half a millionth: fixed point tells a part in 100
         // million.
@@ -147,9 +147,9 @@ static void test_the_price_of_a_leg_does_not_hang_on_the_last_digits_of_its_thru
     for (int n = 0; n < NUM_OF_EACH; n++) {
         ssv_thrusts_t thrusts = {.force_max_N = REAL(6)};
         for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-            thrusts.accel[i] = real_from_double(accel[i] * (1 + task_between(-1e-6, 1e-6)));
-            thrusts.linear[i] = real_from_double(linear[i] * (1 + task_between(-1e-6, 1e-6)));
-            thrusts.quadratic[i] = real_from_double(quadratic[i] * (1 + task_between(-1e-6, 1e-6)));
+            thrusts.accel[i] = real_from_double(accel[i] * (1 + sample_between(-1e-6, 1e-6)));
+            thrusts.linear[i] = real_from_double(linear[i] * (1 + sample_between(-1e-6, 1e-6)));
+            thrusts.quadratic[i] = real_from_double(quadratic[i] * (1 + sample_between(-1e-6, 1e-6)));
         }
         const ssv_profile_price_t price = ssv_profile_price(&thrusts, &rule, REAL(2.7274));
         TEST_ASSERT_EQUAL(SSV_FEASIBLE, price.outcome);
@@ -162,20 +162,21 @@ static void test_the_price_of_a_leg_does_not_hang_on_the_last_digits_of_its_thru
 }
 
 // The paper's ramps bind thrusters that hardly act, too: another then gives way within a fraction of a millisecond.
-static void test_a_piece_whose_thrusts_bend_within_a_fraction_of_a_millisecond_has_a_timeline(void) {
+static void test_an_arc_whose_thrusts_bend_within_a_fraction_of_a_millisecond_has_a_timeline(void) {
     const ssv_thrusts_t thrusts = {
         .accel = {REAL(-8.67), REAL(6.6), REAL(0.0011426)}, .linear = {REAL(10), REAL(-2)}, .force_max_N = REAL(6)};
     const real_t drift_max_s2 = REAL(1e-5);
     static ssv_plan_t plan;
     for (int n = 0; n < NUM_OF_EACH; n++) {
-        const double slope = -task_between(8000, 12000), v = task_between(0.2, 0.5), pull = task_between(0.05, 0.3);
-        ssv_piece_t piece = {.law = {real_from_double(pull - slope * v), real_from_double(slope)},
-                             .v_start = real_from_double(v),
-                             .duration_s = real_from_double(task_between(1, 2) / -slope)};
-        piece.v_end = ssv_law_speed(piece.law, piece.v_start, piece.duration_s);
+        const double slope = -sample_between(8000, 12000), v = sample_between(0.2, 0.5),
+                     pull = sample_between(0.05, 0.3);
+        ssv_arc_t arc = {.dv_dt = {real_from_double(pull - slope * v), real_from_double(slope)},
+                         .v_start = real_from_double(v),
+                         .duration_s = real_from_double(sample_between(1, 2) / -slope)};
+        arc.v_end = ssv_speed_after(arc.dv_dt, arc.v_start, arc.duration_s);
         const uint32_t overflows = real_overflows();
         plan.num_segments = 0;
-        TEST_ASSERT_EQUAL(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &piece, REAL(0), 0, drift_max_s2, &plan));
+        TEST_ASSERT_EQUAL(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &arc, REAL(0), 0, drift_max_s2, &plan));
         TEST_ASSERT_EQUAL(overflows, real_overflows());
     }
 }
@@ -201,22 +202,22 @@ static void test_a_leg_too_slow_for_the_scalar_is_an_honest_outcome(void) {
             if (real_overflows() != overflows) continue; // said, not silent
             TEST_ASSERT_TRUE(outcome == SSV_FEASIBLE || outcome == SSV_TOO_LONG || outcome == SSV_NO_AUTHORITY);
             if (outcome != SSV_FEASIBLE) continue;
-            TEST_ASSERT_TRUE(profile.num_pieces > 0 && profile.duration_s > REAL(0));
+            TEST_ASSERT_TRUE(profile.num_arcs > 0 && profile.duration_s > REAL(0));
         }
     }
 }
 
-// Whoever reads a ramp may be given an empty one, whose stretches hold nothing.
-static void test_an_empty_ramp_covers_no_distance_and_has_no_stretch_to_read(void) {
-    ssv_laws_t laws = {.num = 1, .weight = {REAL(1)}, .limit = {REAL(1)}, .total = REAL(1)};
+// Whoever reads a ramp may be given an empty one, whose arcs hold nothing.
+static void test_an_empty_ramp_covers_no_distance_and_has_no_arc_to_read(void) {
+    ssv_thruster_groups_t groups = {.num = 1, .weight = {REAL(1)}, .limit = {REAL(1)}, .total = REAL(1)};
     ssv_ramp_table_t ramp = {.first = NULL, .step = 1};
     real_t a = REAL(7);
-    TEST_ASSERT_TRUE(ssv_ramp_top(&ramp) == REAL(0));
-    TEST_ASSERT_TRUE(ssv_ramp_reach(&laws, &ramp, REAL(1), &a) == REAL(0));
-    TEST_ASSERT_TRUE(a == REAL(0) && ramp.last == -1 && !ssv_ramp_idles(&ramp));
-    TEST_ASSERT_TRUE(ssv_ramp_acceleration(&laws, &ramp, REAL(1)) == REAL(0));
-    ssv_ramp_measure(&laws, &ramp);
-    ssv_ramp_keep_slowing(&laws, &ramp);
+    TEST_ASSERT_TRUE(ssv_ramp_top_speed(&ramp) == REAL(0));
+    TEST_ASSERT_TRUE(ssv_ramp_distance_to(&groups, &ramp, REAL(1), &a) == REAL(0));
+    TEST_ASSERT_TRUE(a == REAL(0) && ramp.last == -1 && !ssv_ramp_ends_coasting(&ramp));
+    TEST_ASSERT_TRUE(ssv_ramp_acceleration(&groups, &ramp, REAL(1)) == REAL(0));
+    ssv_ramp_measure(&groups, &ramp);
+    ssv_ramp_keep_slowing(&groups, &ramp);
     TEST_ASSERT_EQUAL_INT(0, ramp.num);
 }
 
@@ -228,8 +229,8 @@ int main(void) {
     RUN_TEST(test_no_thruster_is_driven_beyond_its_limit_where_two_nearly_mirror_each_other);
     RUN_TEST(test_a_long_leg_cruises_at_the_cheapest_speed_past_thrusters_that_hardly_act);
     RUN_TEST(test_the_price_of_a_leg_does_not_hang_on_the_last_digits_of_its_thrusts);
-    RUN_TEST(test_a_piece_whose_thrusts_bend_within_a_fraction_of_a_millisecond_has_a_timeline);
+    RUN_TEST(test_an_arc_whose_thrusts_bend_within_a_fraction_of_a_millisecond_has_a_timeline);
     RUN_TEST(test_a_leg_too_slow_for_the_scalar_is_an_honest_outcome);
-    RUN_TEST(test_an_empty_ramp_covers_no_distance_and_has_no_stretch_to_read);
+    RUN_TEST(test_an_empty_ramp_covers_no_distance_and_has_no_arc_to_read);
     return UNITY_END();
 }

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "ssv/real.h"
 #include "unity.h"
@@ -291,6 +292,24 @@ static void test_what_is_no_number_passes_the_boundary_and_is_not_finite(void) {
     TEST_ASSERT_TRUE(real_is_finite(real_from_double(1e300)));
 }
 
+// 64 bits of mantissa hold every number of the scalar, so the compiler rounds once.
+static void test_floats_and_nanoseconds_are_rounded_to_the_nearest(void) {
+    for (int n = 0; n < count(); n++) {
+        const real_t a = random_size(58);
+        const float nearest = (float)((long double)a * ULP), got = real_to_float(a);
+        if (nearest < got || nearest > got || signbit(nearest) != signbit(got))
+            fail_with("real_to_float", n, a, 0, (real_t)got);
+        const exact_t miss = (exact_t)real_to_nano(a) * ONE - (exact_t)a * 1000000000;
+        if (size_of(miss) > ONE / 2) fail_with("real_to_nano", n, a, 0, real_to_nano(a));
+    }
+    // Halfway between two floats the even one, also where that carries into the exponent.
+    TEST_ASSERT_EQUAL_FLOAT(16777216.0f, real_to_float(REAL(16777217)));
+    TEST_ASSERT_EQUAL_FLOAT(16777220.0f, real_to_float(REAL(16777219)));
+    TEST_ASSERT_EQUAL_FLOAT(33554432.0f, real_to_float(REAL(33554431)));
+    TEST_ASSERT_EQUAL_FLOAT(-ULP, real_to_float(-1));
+    TEST_ASSERT_EQUAL_INT64(-1, real_to_nano(REAL(-1e-9)));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_products_are_rounded_to_the_nearest_with_ties_to_even);
@@ -303,6 +322,7 @@ int main(void) {
     RUN_TEST(test_what_fits_does_not_count);
     RUN_TEST(test_a_sum_of_31_results_stays_inside_the_64_bits);
     RUN_TEST(test_constants_and_doubles_are_rounded_to_the_nearest);
+    RUN_TEST(test_floats_and_nanoseconds_are_rounded_to_the_nearest);
     RUN_TEST(test_what_is_no_number_passes_the_boundary_and_is_not_finite);
     return UNITY_END();
 }

@@ -1,6 +1,6 @@
 // Where the vehicle may take hold, and the turns that bring one direction onto another.
 #include "planner/model/grasp.h"
-#include "tasks.h"
+#include "sample.h"
 #include "unity.h"
 
 static double ring[SSV_NUM_RING_ANGLES];
@@ -14,9 +14,9 @@ static void assert_vec3(double tolerance, vec3_t expected, vec3_t actual) {
 }
 
 static void test_nearest_ring_angle_is_the_side_of_the_vehicle(void) {
-    task_seed(5);
+    sample_seed(5);
     for (int trial = 0; trial < 100; trial++) {
-        ssv_scenario_t s = task_random();
+        ssv_scenario_t s = sample_scenario();
         s.ring_angle_given = false;
         TEST_ASSERT_EQUAL_INT(1, ssv_grasp_ring_angles(&s, ring));
         // No other angle at the same height brings the vehicle closer.
@@ -30,7 +30,7 @@ static void test_nearest_ring_angle_is_the_side_of_the_vehicle(void) {
 }
 
 static void test_given_ring_angle_is_the_only_one(void) {
-    ssv_scenario_t s = task_case_study(false);
+    ssv_scenario_t s = scenario_case_study(false);
     s.ring_angle_given = true;
     s.ring_angle_rad = -1.25;
     TEST_ASSERT_EQUAL_INT(1, ssv_grasp_ring_angles(&s, ring));
@@ -38,7 +38,7 @@ static void test_given_ring_angle_is_the_only_one(void) {
 }
 
 static void test_vehicle_on_the_beams_axis_has_sixteen_ring_angles_all_round(void) {
-    const ssv_scenario_t s = task_case_study(false);
+    const ssv_scenario_t s = scenario_case_study(false);
     TEST_ASSERT_EQUAL_INT(SSV_NUM_RING_ANGLES, ssv_grasp_ring_angles(&s, ring));
     for (int k = 0; k < SSV_NUM_RING_ANGLES; k++) {
         TEST_ASSERT_TRUE(ring[k] > -REAL_PI && ring[k] <= REAL_PI + 1e-12);
@@ -47,7 +47,7 @@ static void test_vehicle_on_the_beams_axis_has_sixteen_ring_angles_all_round(voi
 }
 
 static void test_case_study_mates_where_table_5_says(void) {
-    const ssv_scenario_t s = task_case_study(false);
+    const ssv_scenario_t s = scenario_case_study(false);
     static const double height[] = {1.524, 0, -1.524}, x[] = {6.524, 5, 3.476};
     for (int k = 0; k < 3; k++) {
         const ssv_grasp_t grasp = {1, height[k], -REAL_PI / 2};
@@ -59,9 +59,9 @@ static void test_case_study_mates_where_table_5_says(void) {
 }
 
 static void test_turn_takes_one_direction_onto_the_other_by_the_angle_between_them(void) {
-    task_seed(6);
+    sample_seed(6);
     for (int trial = 0; trial < 1000; trial++) {
-        const vec3_t from = task_direction(), to = task_direction();
+        const vec3_t from = sample_direction(), to = sample_direction();
         double angle;
         TEST_ASSERT_EQUAL_INT(1, ssv_grasp_turn_axes(from, to, axis, &angle));
         assert_vec3(1e-12, to, quat_apply(quat_from_axis_angle(axis[0], angle), from));

@@ -1,5 +1,5 @@
 // The planner in fixed point, whose numbers end at 6.7e7: what does not fit is told, and never makes a wrong answer.
-#include "tasks.h"
+#include "sample.h"
 #include "unity.h"
 
 static ssv_problem_t problem;
@@ -14,7 +14,7 @@ void tearDown(void) {}
 
 // Costs some 1e8.
 static ssv_scenario_t too_heavy(void) {
-    ssv_scenario_t s = task_case_study(false);
+    ssv_scenario_t s = scenario_case_study(false);
     s.X_IS.p.x = REAL(-300);
     s.weight_time_per_s = s.weight_impulse_per_Ns = REAL(1000);
     return s;
@@ -30,6 +30,22 @@ static void test_price_beyond_the_largest_number_is_an_overflow_by_either_method
         TEST_ASSERT_EQUAL_INT(SSV_NUMERIC_OVERFLOW, ssv_plan(&problem, &work, &plan));
         TEST_ASSERT_EQUAL_INT(SSV_NUMERIC_OVERFLOW, ssv_quote(&problem, &work, &quote));
         TEST_ASSERT_EQUAL_INT(SSV_NUMERIC_OVERFLOW, ssv_front(&problem, &work, &front));
+    }
+}
+
+// Every metre costs so much that all directions of the body are beyond the largest number: none is left to seed a
+// search, unless the cheapest stands.
+static void test_a_vehicle_that_no_direction_is_affordable_for_is_an_overflow_too(void) {
+    for (int effort = SSV_EFFORT_QUICK; effort <= SSV_EFFORT_BEST; effort++) {
+        ssv_scenario_t s = scenario_case_study(false);
+        s.method = SSV_METHOD_OPTIMAL;
+        s.effort = (ssv_effort_t)effort;
+        s.vehicle.body.drag_lin_kg_s = REAL(100000);
+        s.vehicle.force_max_N = REAL(0.001);
+        s.weight_time_per_s = s.weight_impulse_per_Ns = REAL(1000);
+        begin(&s);
+        TEST_ASSERT_EQUAL_INT(SSV_NUMERIC_OVERFLOW, ssv_plan(&problem, &work, &plan));
+        TEST_ASSERT_EQUAL_INT(SSV_NUMERIC_OVERFLOW, ssv_quote(&problem, &work, &quote));
     }
 }
 
@@ -54,7 +70,7 @@ static void test_overflow_leaves_nothing_but_the_status_and_the_question_s_hash(
 
 static void test_overflow_of_one_question_does_not_taint_the_next(void) {
     const ssv_scenario_t heavy = too_heavy();
-    ssv_scenario_t light = task_case_study(false);
+    ssv_scenario_t light = scenario_case_study(false);
     light.method = SSV_METHOD_OPTIMAL;
     begin(&light);
     TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_plan(&problem, &work, &plan));
@@ -67,7 +83,7 @@ static void test_overflow_of_one_question_does_not_taint_the_next(void) {
 }
 
 static void test_bound_that_does_not_fit_is_the_bound_that_always_holds(void) {
-    ssv_scenario_t s = task_case_study(false);
+    ssv_scenario_t s = scenario_case_study(false);
     begin(&s);
     TEST_ASSERT_TRUE(ssv_lower_bound(&problem) > REAL(3000));
     s.weight_impulse_per_Ns = REAL(1000);
@@ -77,7 +93,7 @@ static void test_bound_that_does_not_fit_is_the_bound_that_always_holds(void) {
 }
 
 static void test_thrusters_whose_matrix_has_no_inverse_in_fixed_point_are_refused_as_singular(void) {
-    ssv_scenario_t s = task_case_study(false);
+    ssv_scenario_t s = scenario_case_study(false);
     s.vehicle.radius_m = REAL(0.001);
     for (int i = 0; i < SSV_NUM_THRUSTERS; i++)
         s.vehicle.thruster[i].p_ST_m = vec3_scale(REAL(1e-7), s.vehicle.thruster[i].p_ST_m);
@@ -90,6 +106,7 @@ static void test_thrusters_whose_matrix_has_no_inverse_in_fixed_point_are_refuse
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_price_beyond_the_largest_number_is_an_overflow_by_either_method);
+    RUN_TEST(test_a_vehicle_that_no_direction_is_affordable_for_is_an_overflow_too);
     RUN_TEST(test_overflow_leaves_nothing_but_the_status_and_the_question_s_hash);
     RUN_TEST(test_overflow_of_one_question_does_not_taint_the_next);
     RUN_TEST(test_bound_that_does_not_fit_is_the_bound_that_always_holds);

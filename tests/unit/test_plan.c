@@ -1,7 +1,7 @@
 // Whole plans through the public interface.
 #include <string.h>
 
-#include "tasks.h"
+#include "sample.h"
 #include "unity.h"
 
 static ssv_problem_t problem;
@@ -30,7 +30,7 @@ static ssv_status_t front_of(const ssv_scenario_t* s, ssv_front_t* front) {
 }
 
 static void test_plan_of_the_case_study_has_the_papers_four_legs_and_two_events(void) {
-    const ssv_scenario_t s = task_case_study(false);
+    const ssv_scenario_t s = scenario_case_study(false);
     TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
     static const ssv_leg_kind_t kind[] = {SSV_TRANSLATE, SSV_TURN, SSV_TURN, SSV_TRANSLATE};
     static const ssv_phase_t phase[] = {SSV_TRANSIT, SSV_TRANSIT, SSV_TRANSFER, SSV_TRANSFER};
@@ -54,9 +54,9 @@ static void test_plan_of_the_case_study_has_the_papers_four_legs_and_two_events(
 }
 
 static void test_choice_is_the_cheapest_candidate_and_its_price_is_that_of_the_plan(void) {
-    task_seed(41);
+    sample_seed(41);
     for (int trial = 0; trial < 50; trial++) {
-        const ssv_scenario_t s = task_random();
+        const ssv_scenario_t s = sample_scenario();
         TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
         const int contacts = s.contact == 0 ? 2 : 1, heights = s.num_attach_heights == 0 ? 3 : s.num_attach_heights;
         TEST_ASSERT_EQUAL_INT(contacts * heights, plan.quote.num_candidates);
@@ -69,7 +69,7 @@ static void test_choice_is_the_cheapest_candidate_and_its_price_is_that_of_the_p
 }
 
 static void test_vehicle_on_the_beams_axis_takes_the_cheapest_of_sixteen_sides(void) {
-    ssv_scenario_t s = task_case_study(true);
+    ssv_scenario_t s = scenario_case_study(true);
     TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
     TEST_ASSERT_TRUE(plan.quote.num_priced >= 3 * SSV_NUM_RING_ANGLES);
     s.ring_angle_given = true;
@@ -83,7 +83,7 @@ static void test_vehicle_on_the_beams_axis_takes_the_cheapest_of_sixteen_sides(v
 }
 
 static void test_half_turn_of_the_beam_is_planned_about_the_cheapest_axis(void) {
-    ssv_scenario_t s = task_case_study(true);
+    ssv_scenario_t s = scenario_case_study(true);
     s.axis_I = vec3(-1, 0, 0); // outward axis of contact 1 is -x: it must come round to +x
     s.ring_angle_given = true;
     s.ring_angle_rad = -REAL_PI / 2;
@@ -94,12 +94,12 @@ static void test_half_turn_of_the_beam_is_planned_about_the_cheapest_axis(void) 
 }
 
 static void test_sample_moves_with_its_own_velocity_and_joins_the_legs(void) {
-    task_seed(42);
+    sample_seed(42);
     for (int trial = 0; trial < 20; trial++) {
-        const ssv_scenario_t s = task_random();
+        const ssv_scenario_t s = sample_scenario();
         TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
         for (int k = 0; k < 200; k++) {
-            const double h = 1e-5, t = task_between(h, plan.quote.time_s - h);
+            const double h = 1e-5, t = sample_between(h, plan.quote.time_s - h);
             ssv_sample_t before, here, after;
             ssv_plan_sample(&plan, t - h, &before);
             ssv_plan_sample(&plan, t, &here);
@@ -116,7 +116,7 @@ static void test_sample_moves_with_its_own_velocity_and_joins_the_legs(void) {
 }
 
 static void test_sample_rests_before_the_start_and_after_the_end(void) {
-    const ssv_scenario_t s = task_case_study(true);
+    const ssv_scenario_t s = scenario_case_study(true);
     ssv_sample_t sample;
     TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
     ssv_plan_sample(&plan, -1, &sample);
@@ -129,7 +129,7 @@ static void test_sample_rests_before_the_start_and_after_the_end(void) {
 }
 
 static void test_task_that_is_done_already_costs_nothing(void) {
-    ssv_scenario_t s = task_case_study(true);
+    ssv_scenario_t s = scenario_case_study(true);
     TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
     s.X_IS = plan.X_IS_final;
     s.X_IB = plan.X_IB_final;
@@ -142,7 +142,7 @@ static void test_task_that_is_done_already_costs_nothing(void) {
 }
 
 static void test_plan_that_would_take_too_long_is_infeasible_with_a_reason_for_each_candidate(void) {
-    ssv_scenario_t s = task_case_study(true);
+    ssv_scenario_t s = scenario_case_study(true);
     s.contact = 0;
     s.vehicle.force_max_N = 0.01;
     TEST_ASSERT_EQUAL_INT(SSV_INFEASIBLE, plan_of(&s, &plan));
@@ -155,7 +155,7 @@ static void test_plan_that_would_take_too_long_is_infeasible_with_a_reason_for_e
 
 static void test_quote_lists_candidates_only_when_asked_and_is_the_plan_s_price_either_way(void) {
     for (int method = SSV_METHOD_OPTIMAL; method <= SSV_METHOD_PAPER; method++) {
-        ssv_scenario_t s = task_case_study(true);
+        ssv_scenario_t s = scenario_case_study(true);
         ssv_quote_t with, without;
         s.method = (ssv_method_t)method;
         TEST_ASSERT_EQUAL_INT(SSV_OK, quote_of(&s, &with));
@@ -176,7 +176,7 @@ static void test_quote_lists_candidates_only_when_asked_and_is_the_plan_s_price_
 
 static void test_heavy_weights_and_strong_thrusters_price_a_task_beyond_any_round_number(void) {
     for (int method = SSV_METHOD_OPTIMAL; method <= SSV_METHOD_PAPER; method++) {
-        ssv_scenario_t s = task_case_study(true);
+        ssv_scenario_t s = scenario_case_study(true);
         s.method = (ssv_method_t)method;
         s.want_candidates = false;
         s.vehicle.force_max_N = REAL(10000);
@@ -203,7 +203,7 @@ static void test_optimal_comes_close_to_coupled_motion_on_the_case_study(void) {
     };
     for (size_t k = 0; k < sizeof row / sizeof row[0]; k++) {
         for (int effort = SSV_EFFORT_QUICK; effort <= SSV_EFFORT_BEST; effort++) {
-            ssv_scenario_t s = task_case_study(false);
+            ssv_scenario_t s = scenario_case_study(false);
             ssv_quote_t quote;
             s.method = SSV_METHOD_OPTIMAL;
             s.effort = (ssv_effort_t)effort;
@@ -218,7 +218,7 @@ static void test_optimal_comes_close_to_coupled_motion_on_the_case_study(void) {
 
 static void test_front_of_the_case_study_serves_a_scheduler_that_changes_its_weights(void) {
     static const double weights[][2] = {{1, 0}, {0, 1}, {1, 1}};
-    ssv_scenario_t s = task_case_study(false);
+    ssv_scenario_t s = scenario_case_study(false);
     ssv_front_t front;
     s.method = SSV_METHOD_OPTIMAL;
     TEST_ASSERT_EQUAL_INT(SSV_OK, front_of(&s, &front));
@@ -238,7 +238,7 @@ static void test_front_of_the_case_study_serves_a_scheduler_that_changes_its_wei
 }
 
 static void test_quote_and_front_of_an_infeasible_task_say_so(void) {
-    ssv_scenario_t s = task_case_study(true);
+    ssv_scenario_t s = scenario_case_study(true);
     ssv_quote_t quote;
     ssv_front_t front;
     s.vehicle.force_max_N = real_from_double(0.01);
@@ -252,7 +252,7 @@ static void test_quote_and_front_of_an_infeasible_task_say_so(void) {
 }
 
 static void test_same_question_gets_the_same_plan_and_another_question_another_hash(void) {
-    ssv_scenario_t s = task_case_study(true);
+    ssv_scenario_t s = scenario_case_study(true);
     plan_of(&s, &plan);
     memset(&other, 0x77, sizeof other);
     plan_of(&s, &other);
@@ -302,7 +302,7 @@ static void test_questions_about_one_problem_change_neither_it_nor_one_another(v
     static asker_t alone, askers[2];
     static ssv_problem_t untouched;
     for (int method = SSV_METHOD_OPTIMAL; method <= SSV_METHOD_PAPER; method++) {
-        ssv_scenario_t s = task_case_study(true);
+        ssv_scenario_t s = scenario_case_study(true);
         ssv_fault_t fault;
         s.method = (ssv_method_t)method;
         s.contact = 0;

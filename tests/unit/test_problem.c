@@ -1,7 +1,7 @@
 // What a scenario must be, field by field.
 #include <string.h>
 
-#include "tasks.h"
+#include "sample.h"
 #include "unity.h"
 
 static ssv_problem_t problem;
@@ -10,7 +10,7 @@ static ssv_fault_t fault;
 void setUp(void) {}
 void tearDown(void) {}
 
-// A field of a scenario by its offset, a bad value, and what must be said of it.
+// A field of a scenario by its offset, a bad value.
 typedef struct {
     size_t offset;
     double value;
@@ -22,41 +22,41 @@ typedef struct {
 #define AT(member) offsetof(ssv_scenario_t, member)
 
 static const bad_t bad[] = {
-    {AT(vehicle.body.mass_kg), 0, SSV_E_RANGE, "vehicle.mass_kg", -1},
-    {AT(vehicle.body.mass_kg), -1, SSV_E_RANGE, "vehicle.mass_kg", -1},
-    {AT(vehicle.body.mass_kg), (double)NAN, SSV_E_NOT_FINITE, "vehicle.mass_kg", -1},
-    {AT(vehicle.body.mass_kg), (double)INFINITY, SSV_E_NOT_FINITE, "vehicle.mass_kg", -1},
-    {AT(vehicle.body.inertia_kg_m2.y), 0, SSV_E_RANGE, "vehicle.inertia_kg_m2", -1},
-    {AT(vehicle.body.added_mass_kg.z), -1, SSV_E_RANGE, "vehicle.added_mass_kg", -1},
-    {AT(vehicle.body.drag_lin_kg_s), -1, SSV_E_RANGE, "vehicle.drag_lin_kg_s", -1},
-    {AT(vehicle.body.drag_quad_kg_m), 1e6, SSV_E_RANGE, "vehicle.drag_quad_kg_m", -1},
-    {AT(vehicle.body.drag_lin_ang_Nm_s), (double)NAN, SSV_E_NOT_FINITE, "vehicle.drag_lin_ang_Nm_s", -1},
-    {AT(vehicle.body.drag_quad_ang_Nm_s2), -2, SSV_E_RANGE, "vehicle.drag_quad_ang_Nm_s2", -1},
+    {AT(vehicle.body.mass_kg), 0, SSV_E_RANGE, "vehicle.body.mass_kg", -1},
+    {AT(vehicle.body.mass_kg), -1, SSV_E_RANGE, "vehicle.body.mass_kg", -1},
+    {AT(vehicle.body.mass_kg), (double)NAN, SSV_E_NOT_FINITE, "vehicle.body.mass_kg", -1},
+    {AT(vehicle.body.mass_kg), (double)INFINITY, SSV_E_NOT_FINITE, "vehicle.body.mass_kg", -1},
+    {AT(vehicle.body.inertia_kg_m2.y), 0, SSV_E_RANGE, "vehicle.body.inertia_kg_m2", -1},
+    {AT(vehicle.body.added_mass_kg.z), -1, SSV_E_RANGE, "vehicle.body.added_mass_kg", -1},
+    {AT(vehicle.body.drag_lin_kg_s), -1, SSV_E_RANGE, "vehicle.body.drag_lin_kg_s", -1},
+    {AT(vehicle.body.drag_quad_kg_m), 1e6, SSV_E_RANGE, "vehicle.body.drag_quad_kg_m", -1},
+    {AT(vehicle.body.drag_lin_ang_Nm_s), (double)NAN, SSV_E_NOT_FINITE, "vehicle.body.drag_lin_ang_Nm_s", -1},
+    {AT(vehicle.body.drag_quad_ang_Nm_s2), -2, SSV_E_RANGE, "vehicle.body.drag_quad_ang_Nm_s2", -1},
     {AT(vehicle.radius_m), 0, SSV_E_RANGE, "vehicle.radius_m", -1},
     {AT(vehicle.force_max_N), 0, SSV_E_RANGE, "vehicle.force_max_N", -1},
-    {AT(vehicle.thruster[2].p_ST_m.x), 11, SSV_E_RANGE, "vehicle.thrusters[].p_ST_m", 2},
-    {AT(vehicle.thruster[3].n_T_S.y), -1.1, SSV_E_NOT_UNIT, "vehicle.thrusters[].n_T_S", 3},
-    {AT(vehicle.thruster[0].n_T_S.x), 1e200, SSV_E_RANGE, "vehicle.thrusters[].n_T_S", 0},
-    {AT(beam.body.mass_kg), 0, SSV_E_RANGE, "beam.mass_kg", -1},
-    {AT(beam.body.inertia_kg_m2.z), -1, SSV_E_RANGE, "beam.inertia_kg_m2", -1},
+    {AT(vehicle.thruster[2].p_ST_m.x), 11, SSV_E_RANGE, "vehicle.thruster[i].p_ST_m", 2},
+    {AT(vehicle.thruster[3].n_T_S.y), -1.1, SSV_E_NOT_UNIT, "vehicle.thruster[i].n_T_S", 3},
+    {AT(vehicle.thruster[0].n_T_S.x), 1e200, SSV_E_RANGE, "vehicle.thruster[i].n_T_S", 0},
+    {AT(beam.body.mass_kg), 0, SSV_E_RANGE, "beam.body.mass_kg", -1},
+    {AT(beam.body.inertia_kg_m2.z), -1, SSV_E_RANGE, "beam.body.inertia_kg_m2", -1},
     {AT(beam.radius_m), -1, SSV_E_RANGE, "beam.radius_m", -1},
     {AT(beam.length_m), 0, SSV_E_RANGE, "beam.length_m", -1},
     {AT(beam.drag_strip_kg_m2), -1, SSV_E_RANGE, "beam.drag_strip_kg_m2", -1},
-    {AT(X_IS.p.x), -1001, SSV_E_RANGE, "vehicle.p_IS_m", -1},
-    {AT(X_IS.q.z), 0, SSV_E_NOT_UNIT, "vehicle.q_IS", -1}, // the only component: a zero quaternion
-    {AT(X_IS.q.z), 1.002, SSV_E_NOT_UNIT, "vehicle.q_IS", -1},
-    {AT(X_IB.p.z), (double)INFINITY, SSV_E_NOT_FINITE, "beam.p_IB_m", -1},
-    {AT(X_IB.q.w), (double)NAN, SSV_E_NOT_FINITE, "beam.q_IB", -1},
+    {AT(X_IS.p.x), -1001, SSV_E_RANGE, "X_IS.p_m", -1},
+    {AT(X_IS.q.z), 0, SSV_E_NOT_UNIT, "X_IS.q", -1}, // the only component: a zero quaternion
+    {AT(X_IS.q.z), 1.002, SSV_E_NOT_UNIT, "X_IS.q", -1},
+    {AT(X_IB.p.z), (double)INFINITY, SSV_E_NOT_FINITE, "X_IB.p_m", -1},
+    {AT(X_IB.q.w), (double)NAN, SSV_E_NOT_FINITE, "X_IB.q", -1},
     {AT(p_IP_m.y), 2000, SSV_E_RANGE, "port.p_IP_m", -1},
     {AT(axis_I.y), 0, SSV_E_NOT_UNIT, "port.axis_I", -1},
     {AT(standoff_m), 0, SSV_E_RANGE, "standoff_m", -1},
-    {AT(weight_time_per_s), -1, SSV_E_RANGE, "weights.time", -1},
-    {AT(weight_impulse_per_Ns), -0.1, SSV_E_RANGE, "weights.impulse", -1},
+    {AT(weight_time_per_s), -1, SSV_E_RANGE, "weight_time_per_s", -1},
+    {AT(weight_impulse_per_Ns), -0.1, SSV_E_RANGE, "weight_impulse_per_Ns", -1},
 };
 
 static void test_each_bad_number_is_refused_by_the_name_of_its_field(void) {
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
-        ssv_scenario_t s = task_case_study(true);
+        ssv_scenario_t s = scenario_case_study(true);
         memcpy((char*)&s + bad[k].offset, &bad[k].value, sizeof(double));
         TEST_ASSERT_EQUAL_INT_MESSAGE(bad[k].status, ssv_problem_init(&problem, &s, &fault), bad[k].field);
         TEST_ASSERT_EQUAL_STRING(bad[k].field, fault.field);
@@ -71,35 +71,35 @@ static void refuse(const ssv_scenario_t* s, ssv_status_t status, const char* fie
 }
 
 static void test_each_bad_choice_is_refused_by_the_name_of_its_field(void) {
-    ssv_scenario_t s = task_case_study(true);
+    ssv_scenario_t s = scenario_case_study(true);
     s.contact = 3;
-    refuse(&s, SSV_E_RANGE, "beam.contact");
-    s = task_case_study(true);
+    refuse(&s, SSV_E_RANGE, "contact");
+    s = scenario_case_study(true);
     s.method = (ssv_method_t)7;
-    refuse(&s, SSV_E_RANGE, "method");
-    s = task_case_study(true);
+    refuse(&s, SSV_E_RANGE, "options.method");
+    s = scenario_case_study(true);
     s.num_attach_heights = 9;
-    refuse(&s, SSV_E_RANGE, "attach_heights_m");
+    refuse(&s, SSV_E_RANGE, "options.num_attach_heights");
     s.num_attach_heights = 2;
     s.attach_heights_m[1] = 1.6;
-    refuse(&s, SSV_E_RANGE, "attach_heights_m[]");
+    refuse(&s, SSV_E_RANGE, "options.attach_heights_m[k]");
     TEST_ASSERT_EQUAL_INT(1, fault.index);
-    s = task_case_study(true);
+    s = scenario_case_study(true);
     s.ring_angle_given = true;
     s.ring_angle_rad = 7;
-    refuse(&s, SSV_E_RANGE, "ring_angle_rad");
-    s = task_case_study(true);
+    refuse(&s, SSV_E_RANGE, "options.ring_angle_rad");
+    s = scenario_case_study(true);
     s.weight_time_per_s = s.weight_impulse_per_Ns = 0;
-    refuse(&s, SSV_E_WEIGHTS, "weights");
-    s = task_case_study(true);
+    refuse(&s, SSV_E_WEIGHTS, "weight_time_per_s");
+    s = scenario_case_study(true);
     s.vehicle.thruster[1] = s.vehicle.thruster[0];
-    refuse(&s, SSV_E_SINGULAR, "vehicle.thrusters");
+    refuse(&s, SSV_E_SINGULAR, "vehicle.thruster");
     s = ssv_scenario_default();
-    refuse(&s, SSV_E_RANGE, "vehicle.mass_kg");
+    refuse(&s, SSV_E_RANGE, "vehicle.body.mass_kg");
 }
 
 static void test_refused_scenario_leaves_the_problem_untouched(void) {
-    ssv_scenario_t s = task_case_study(true);
+    ssv_scenario_t s = scenario_case_study(true);
     ssv_problem_t before;
     memset(&problem, 0x5a, sizeof problem);
     memcpy(&before, &problem, sizeof before);
@@ -109,16 +109,16 @@ static void test_refused_scenario_leaves_the_problem_untouched(void) {
 }
 
 static void test_quaternion_within_a_thousandth_is_normalised(void) {
-    ssv_scenario_t s = task_case_study(true);
+    ssv_scenario_t s = scenario_case_study(true);
     s.X_IS.q.z = 0.9991;
     TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
     TEST_ASSERT_EQUAL_DOUBLE(1, problem.scenario.X_IS.q.z);
     s.X_IS.q.z = 0.9989;
-    refuse(&s, SSV_E_NOT_UNIT, "vehicle.q_IS");
+    refuse(&s, SSV_E_NOT_UNIT, "X_IS.q");
 }
 
 static void test_no_heights_means_the_three_rings(void) {
-    const ssv_scenario_t s = task_case_study(true);
+    const ssv_scenario_t s = scenario_case_study(true);
     TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
     TEST_ASSERT_EQUAL_INT(3, problem.scenario.num_attach_heights);
     TEST_ASSERT_EQUAL_DOUBLE(1.524, problem.scenario.attach_heights_m[0]);
@@ -127,7 +127,7 @@ static void test_no_heights_means_the_three_rings(void) {
 }
 
 static void test_scenario_hash_changes_with_every_number_and_choice(void) {
-    const ssv_scenario_t base = task_case_study(true);
+    const ssv_scenario_t base = scenario_case_study(true);
     const uint64_t hash = ssv_scenario_hash(&base);
     TEST_ASSERT_TRUE(hash == ssv_scenario_hash(&base));
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {

@@ -1,8 +1,9 @@
 // The timeline against the exact thrusts of random profiles.
 #include <stdlib.h>
 
+#include "planner/profile/profile.h"
 #include "planner/segments.h"
-#include "tasks.h"
+#include "sample.h"
 #include "unity.h"
 
 #define N SSV_NUM_THRUSTERS
@@ -16,32 +17,32 @@ void tearDown(void) {}
 static ssv_thrusts_t random_thrusts(void) {
     ssv_thrusts_t t;
     for (int i = 0; i < N; i++) {
-        t.accel[i] = task_between(-60, 60);
-        t.linear[i] = task_between(-0.5, 3) * t.accel[i] + task_between(-20, 20);
-        t.quadratic[i] = task_between(0, 20) * t.accel[i] + task_between(-100, 100);
+        t.accel[i] = sample_between(-60, 60);
+        t.linear[i] = sample_between(-0.5, 3) * t.accel[i] + sample_between(-20, 20);
+        t.quadratic[i] = sample_between(0, 20) * t.accel[i] + sample_between(-100, 100);
     }
     t.force_max_N = 6;
     return t;
 }
 
-static double exact_thrust(const ssv_thrusts_t* thrusts, const ssv_piece_t* piece, int i, double t) {
-    const double v = ssv_piece_speed(piece, fmin(fmax(t, 0), piece->duration_s));
-    const double a = piece->law[0] + v * (piece->law[1] + v * piece->law[2]);
+static double exact_thrust(const ssv_thrusts_t* thrusts, const ssv_arc_t* arc, int i, double t) {
+    const double v = ssv_arc_speed(arc, fmin(fmax(t, 0), arc->duration_s));
+    const double a = arc->dv_dt[0] + v * (arc->dv_dt[1] + v * arc->dv_dt[2]);
     return thrusts->accel[i] * a + thrusts->linear[i] * v + thrusts->quadratic[i] * v * v;
 }
 
 static void test_timeline_of_random_legs_is_close_exact_in_impulse_contiguous_and_within_limits(void) {
-    task_seed(31);
+    sample_seed(31);
     for (int trial = 0; trial < 300; trial++) {
         const ssv_thrusts_t thrusts = random_thrusts();
         const ssv_ramp_t ramp = trial % 2 == 0 ? SSV_FULL_REVERSE : SSV_DRAG_ONLY;
-        const double distance = pow(10, task_between(-2, 1.5));
+        const double distance = pow(10, sample_between(-2, 1.5));
         if (ssv_profile_solve(&thrusts, &(ssv_rule_t){ramp, 0.01, 0, 0, 0}, distance, &profile) != SSV_FEASIBLE)
             continue;
-        for (int k = 0; k < profile.num_pieces; k++) {
-            const ssv_piece_t* piece = &profile.piece[k];
+        for (int k = 0; k < profile.num_arcs; k++) {
+            const ssv_arc_t* arc = &profile.arc[k];
             plan.num_segments = 0;
-            TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, piece, 100, 3, 1e-4, &plan));
+            TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, arc, 100, 3, 1e-4, &plan));
             double t = 100;
             for (int g = 0; g < plan.num_segments; g++) {
                 const ssv_segment_t* segment = &plan.segment[g];
@@ -53,7 +54,7 @@ static void test_timeline_of_random_legs_is_close_exact_in_impulse_contiguous_an
                     const int steps = 400; // Simpson
                     for (int n = 0; n <= steps; n++) {
                         const double along = (double)n / steps, at = segment->t_s - 100 + along * segment->duration_s;
-                        const double exact = exact_thrust(&thrusts, piece, i, at);
+                        const double exact = exact_thrust(&thrusts, arc, i, at);
                         TEST_ASSERT_DOUBLE_WITHIN(0.005 * 6, exact, segment->u_start_N[i] + along * rise);
                         impulse += (n == 0 || n == steps ? 1
                                     : n % 2 == 1         ? 4
@@ -67,24 +68,23 @@ static void test_timeline_of_random_legs_is_close_exact_in_impulse_contiguous_an
                 }
                 t += segment->duration_s;
             }
-            TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100 + piece->duration_s, t);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100 + arc->duration_s, t);
         }
     }
 }
 
 static void test_count_of_segments_is_close_to_what_is_cut(void) {
-    task_seed(32);
+    sample_seed(32);
     for (int trial = 0; trial < 300; trial++) {
         const ssv_thrusts_t thrusts = random_thrusts();
         const ssv_rule_t rule = {SSV_OPTIMAL, 0, 1, trial % 2 == 0 ? 0 : 1, 0};
-        const double distance = pow(10, task_between(-2, 1.5)), drift_s2 = pow(10, task_between(-6, -3));
+        const double distance = pow(10, sample_between(-2, 1.5)), drift_s2 = pow(10, sample_between(-6, -3));
         if (ssv_profile_solve(&thrusts, &rule, distance, &profile) != SSV_FEASIBLE) continue;
         int counted = 0;
         plan.num_segments = 0;
-        for (int k = 0; k < profile.num_pieces; k++) {
-            counted += ssv_timeline_count(&thrusts, &profile.piece[k], drift_s2);
-            TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE,
-                                  ssv_timeline_append(&thrusts, &profile.piece[k], 0, 0, drift_s2, &plan));
+        for (int k = 0; k < profile.num_arcs; k++) {
+            counted += ssv_timeline_count(&thrusts, &profile.arc[k], drift_s2);
+            TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &profile.arc[k], 0, 0, drift_s2, &plan));
         }
         TEST_ASSERT_TRUE(abs(counted - plan.num_segments) <= 1 + counted / 20);
     }
@@ -95,9 +95,9 @@ static void test_constant_thrust_is_one_segment(void) {
     TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE,
                           ssv_profile_solve(&thrusts, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 2, &profile));
     plan.num_segments = 0;
-    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &profile.piece[0], 0, 0, 1e-4, &plan));
+    TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, ssv_timeline_append(&thrusts, &profile.arc[0], 0, 0, 1e-4, &plan));
     TEST_ASSERT_EQUAL_INT(1, plan.num_segments);
-    TEST_ASSERT_EQUAL_INT(1, ssv_timeline_count(&thrusts, &profile.piece[0], 1e-4));
+    TEST_ASSERT_EQUAL_INT(1, ssv_timeline_count(&thrusts, &profile.arc[0], 1e-4));
 }
 
 static void test_full_timeline_refuses_more(void) {
@@ -105,7 +105,7 @@ static void test_full_timeline_refuses_more(void) {
     TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE,
                           ssv_profile_solve(&thrusts, &(ssv_rule_t){SSV_FULL_REVERSE, 0.001, 0, 0, 0}, 2, &profile));
     plan.num_segments = SSV_MAX_SEGMENTS;
-    TEST_ASSERT_EQUAL_INT(SSV_TOO_MANY_SEGMENTS, ssv_timeline_append(&thrusts, &profile.piece[0], 0, 0, 1e-4, &plan));
+    TEST_ASSERT_EQUAL_INT(SSV_TOO_MANY_SEGMENTS, ssv_timeline_append(&thrusts, &profile.arc[0], 0, 0, 1e-4, &plan));
     TEST_ASSERT_EQUAL_INT(SSV_MAX_SEGMENTS, plan.num_segments);
 }
 

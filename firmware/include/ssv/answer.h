@@ -17,6 +17,10 @@
 #include "lcm_ssv_scenario_t.h"
 #include "ssv/planner.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Most scenarios of a batch.
 #define SSV_MAX_BATCH 16
 /// Room for the longest reason, that of an infeasible scenario with every candidate's own; and for such a one.
@@ -56,7 +60,7 @@ typedef struct {
 
 /// Converts the wire scenario to the core's type, value for value: any content is accepted, nothing is checked here.
 /// want_front has no part in it: a front is asked for by a call of its own.
-void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* wire);
+void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* message);
 
 /// Answers the question: plans it, or says why not. Never fails; the answer's status and reason tell.
 /// @return the core's status: that of ssv_plan, or what ssv_problem_init found.
@@ -83,5 +87,9 @@ void ssv_answer_batch_refuse(const lcm_ssv_scenario_batch_t* question, const cha
 /// untouched.
 bool ssv_scenario_batch_decode(const void* data, size_t size, lcm_ssv_scenario_t scenarios[SSV_MAX_BATCH],
                                lcm_ssv_scenario_batch_t* batch);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

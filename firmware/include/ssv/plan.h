@@ -4,13 +4,12 @@
 #define SSV_PLAN_H
 
 #include "ssv/scenario.h"
+#include "ssv/timeline.h"
 
 #define SSV_MAX_CANDIDATES (SSV_NUM_CONTACTS * SSV_MAX_ATTACH_HEIGHTS)
 #define SSV_MAX_LEGS 8
-#define SSV_MAX_SEGMENTS 128
-#define SSV_MAX_EVENTS 2
-/// Pieces of all legs together; one piece is one law dv/dt = a0 + a1 v + a2 v^2 of the speed along a leg.
-#define SSV_MAX_PIECES 64
+/// Arcs of all legs together; one arc has one quadratic dv/dt = a0 + a1 v + a2 v^2 of the speed along a leg.
+#define SSV_MAX_ARCS 64
 /// Most points of a front.
 #define SSV_MAX_FRONT 24
 
@@ -31,7 +30,7 @@ typedef enum {
     SSV_FEASIBLE = 0,
     SSV_TOO_LONG,         ///< would take longer than SSV_DURATION_MAX_S
     SSV_NO_AUTHORITY,     ///< the thrusters cannot move the body along a leg
-    SSV_TOO_MANY_PIECES,  ///< the motion has more pieces than SSV_MAX_PIECES
+    SSV_TOO_MANY_ARCS,    ///< the motion has more arcs than SSV_MAX_ARCS
     SSV_TOO_MANY_SEGMENTS ///< the timeline has more segments than SSV_MAX_SEGMENTS
 } ssv_outcome_t;
 
@@ -46,16 +45,15 @@ typedef enum {
     SSV_DRAG_ONLY = 1,
     SSV_OPTIMAL = 2
 } ssv_ramp_t; ///< how a leg slows (paper Figs. 6, 7)
-typedef enum { SSV_MATE = 0, SSV_DOCK = 1 } ssv_event_kind_t;
 
-/// A stretch of a leg in which the speed v along it follows dv/dt = law[0] + law[1] v + law[2] v^2.
+/// A stretch of a leg in which the speed v along it follows dv/dt = dv_dt[0] + dv_dt[1] v + dv_dt[2] v^2.
 typedef struct {
     real_t t_s;            ///< [s] start, since the leg's start
     real_t duration_s;     ///< [s] > 0
     real_t s;              ///< [m or rad] distance along the leg at the start
     real_t v_start, v_end; ///< [m/s or rad/s]
-    real_t law[3];
-} ssv_piece_t;
+    real_t dv_dt[3];
+} ssv_arc_t;
 
 /// One rest-to-rest motion along a constant body twist. Speeds and distances along it are in rad for SSV_TURN, else in
 /// m along the path of S.
@@ -70,7 +68,7 @@ typedef struct {
     real_t peak_speed; ///< [m/s or rad/s]
     vec3_t v_S, w_S;   ///< twist of S in axes of S per unit of speed: |w_S| = 1 for SSV_TURN, else |v_S| = 1
     pose_t X_IS_start, X_IS_end;
-    int first_piece, num_pieces; ///< into plan.piece
+    int first_arc, num_arcs; ///< into plan.arc
 } ssv_leg_t;
 
 /// A stretch of the thruster timeline; each thrust runs on a straight line from its start to its end value, with the
@@ -116,8 +114,8 @@ typedef struct {
     uint64_t plan_hash;
     int num_legs;
     ssv_leg_t leg[SSV_MAX_LEGS];
-    int num_pieces;
-    ssv_piece_t piece[SSV_MAX_PIECES];
+    int num_arcs;
+    ssv_arc_t arc[SSV_MAX_ARCS];
     int num_segments;
     ssv_segment_t segment[SSV_MAX_SEGMENTS];
     int num_events;

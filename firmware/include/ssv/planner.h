@@ -22,8 +22,32 @@
 
 #include "ssv/plan.h"
 #include "ssv/scenario.h"
+#include "ssv/timeline.h"
 
 #define SSV_VERSION "0.1.0"
+
+// For the linker and the debugger the scalar is part of each name (ssv_plan_double, ssv_plan_float, ssv_plan_fixed): a
+// program compiled for one scalar does not link with the archive of another, and the linker says which it lacks.
+#define ssv_status_str SSV_NAME(ssv_status_str)
+#define ssv_outcome_str SSV_NAME(ssv_outcome_str)
+#define ssv_scenario_default SSV_NAME(ssv_scenario_default)
+#define ssv_problem_init SSV_NAME(ssv_problem_init)
+#define ssv_scenario_hash SSV_NAME(ssv_scenario_hash)
+#define ssv_lower_bound SSV_NAME(ssv_lower_bound)
+#define ssv_quote SSV_NAME(ssv_quote)
+#define ssv_front SSV_NAME(ssv_front)
+#define ssv_plan SSV_NAME(ssv_plan)
+#define ssv_plan_hash SSV_NAME(ssv_plan_hash)
+#define ssv_plan_sample SSV_NAME(ssv_plan_sample)
+#define ssv_timeline_of_plan SSV_NAME(ssv_timeline_of_plan)
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// "double", "float" or "fixed", of the archive. The one name that is the same in all: a program that is linked with
+/// two archives, whose inner functions would be mixed up, has it twice, and linkers refuse that.
+extern const char ssv_scalar[];
 
 /// A sentence for any status, e.g. "outside its range"; never NULL.
 const char* ssv_status_str(ssv_status_t status);
@@ -90,5 +114,14 @@ uint64_t ssv_plan_hash(const ssv_plan_t* plan);
 /// The plan at time t_s; before the start and after the end the vehicle rests there with zero thrust. The plan must be
 /// SSV_OK. At a joint the later leg counts. Pure; cost grows with the number of legs and segments.
 void ssv_plan_sample(const ssv_plan_t* plan, real_t t_s, ssv_sample_t* sample);
+
+/// The plan's thruster timeline in the form that the vehicle flies. The plan must be SSV_OK. Each start of a segment
+/// and the end are rounded by themselves, and the durations are their differences; what lasts less than a nanosecond is
+/// left out. Every field of *timeline is written.
+void ssv_timeline_of_plan(const ssv_plan_t* plan, ssv_timeline_t* timeline);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

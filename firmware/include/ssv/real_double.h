@@ -8,9 +8,14 @@
 #include <stdint.h>
 #include <string.h>
 
+#if FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD == 2
+#error "Plans would depend on when this compiler rounds from more digits than a double has; on x86: -msse2 -mfpmath=sse"
+#endif
+
 typedef double real_t;
 
 #define REAL_NAME "double"
+#define SSV_NAME(name) name##_double
 #define REAL(x) ((real_t)(x))
 #define REAL_MAX DBL_MAX
 #define REAL_EPSILON DBL_EPSILON
@@ -29,6 +34,8 @@ inline real_t real_atan2(real_t y, real_t x) { return atan2(y, x); }
 inline real_t real_from_int(int a) { return (real_t)a; }
 static inline real_t real_from_double(double a) { return a; }
 static inline double real_to_double(real_t a) { return a; }
+static inline float real_to_float(real_t a) { return (float)a; }
+inline int64_t real_to_nano(real_t a) { return (int64_t)(a * 1e9 + (a < 0 ? -0.5 : 0.5)); }
 inline bool real_is_finite(real_t a) { return isfinite(a); }
 inline real_t real_scale(real_t a, int n) { return n == 0 ? a : ldexp(a, n); }
 inline uint32_t real_overflows(void) { return 0; }

@@ -19,17 +19,23 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
 
 typedef int64_t real_t;
 
 #define REAL_NAME "fixed"
+#define SSV_NAME(name) name##_fixed
 /// Rounded to the nearest; a constant that does not fit divides by zero, which compilers refuse.
 #define REAL(x)                                                                                                        \
-    ((real_t)((x) * 4294967296.0 + ((x) * 1.0 < 0 ? -0.5 : 0.5)) / ((x) * 1.0 < 0x1p26 && (x) * 1.0 > -0x1p26))
+    ((real_t)((x) * 4294967296.0 + ((x) * 1.0 < 0 ? -0.5 : 0.5)) / ((x) * 1.0 < 67108864.0 && (x) * 1.0 > -67108864.0))
 /// Largest result of a call.
 #define REAL_MAX ((real_t)1 << 58)
 #define REAL_EPSILON ((real_t)1)
 #define REAL_NOISE ((real_t)1 << 8)
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 real_t real_mul(real_t a, real_t b);
 real_t real_div(real_t a, real_t b);
@@ -43,6 +49,11 @@ real_t real_cos(real_t a);
 real_t real_tan(real_t a);
 real_t real_atan2(real_t y, real_t x);
 uint32_t real_overflows(void);
+int64_t real_to_nano(real_t a);
+
+#ifdef __cplusplus
+}
+#endif
 
 inline real_t real_abs(real_t a) { return a < 0 ? -a : a; }
 inline real_t real_from_int(int a) { return (real_t)a * ((real_t)1 << 32); }
@@ -56,9 +67,9 @@ inline bool real_is_finite(real_t a) { return a > -INT64_MAX && a < INT64_MAX; }
 static inline real_t real_from_double(double a) {
     if (!(a >= 0) && !(a < 0)) return INT64_MIN;
     if (!(a - a >= 0)) return a < 0 ? -INT64_MAX : INT64_MAX;
-    const double ulps = (a < 0 ? -a : a) * 0x1p32;
+    const double ulps = (a < 0 ? -a : a) * 4294967296.0;
     real_t size = REAL_MAX;
-    if (ulps < 0x1p58) {
+    if (ulps < (double)REAL_MAX) {
         size = (real_t)ulps;
         if (ulps - (double)size >= 0.5) size++;
     }
@@ -68,7 +79,24 @@ static inline real_t real_from_double(double a) {
 static inline double real_to_double(real_t a) {
     if (a == INT64_MIN) return __builtin_nan("");
     if (!real_is_finite(a)) return a < 0 ? -__builtin_inf() : __builtin_inf();
-    return (double)a * 0x1p-32;
+    return (double)a / 4294967296.0;
+}
+
+/// Puts the bits together without floating-point arithmetic; to the nearest, ties to even.
+static inline float real_to_float(real_t a) {
+    uint64_t size = a < 0 ? 0 - (uint64_t)a : (uint64_t)a;
+    uint32_t bits = a < 0 ? UINT32_C(1) << 31 : 0;
+    if (size != 0) {
+        const int zeros = __builtin_clzll(size);
+        size <<= zeros;
+        const uint64_t odd = size >> 40 & 1, rest = size & ((UINT64_C(1) << 40) - 1);
+        const uint32_t digits = (uint32_t)(size >> 40) + (rest + odd > UINT64_C(1) << 39);
+        // The leading one of the 24 digits counts in the exponent, and so does a carry out of them.
+        bits |= ((uint32_t)(157 - zeros) << 23) + digits;
+    }
+    float result;
+    memcpy(&result, &bits, sizeof result);
+    return result;
 }
 
 #endif

@@ -9,9 +9,9 @@
 #define SSV_SCENARIO_H
 
 #include "ssv/real.h"
+#include "ssv/timeline.h"
 #include "ssv/vec3.h"
 
-#define SSV_NUM_THRUSTERS 6
 #define SSV_NUM_CONTACTS 2
 #define SSV_MAX_ATTACH_HEIGHTS 8
 
@@ -103,8 +103,8 @@ typedef struct {
 /// What is wrong with a scenario, where.
 typedef struct {
     ssv_status_t status;
-    const char* field; ///< path of the field, e.g. "vehicle.thrusters[].n_T"; static storage
-    int index;         ///< which element where the path has [], else -1
+    const char* field; ///< path of the field in scenario_t, e.g. "vehicle.thruster[i].n_T_S"; static storage
+    int index;         ///< which element where the path has brackets, else -1
     real_t value;      ///< the offending number (for SSV_E_NOT_UNIT the length)
     real_t min, max;   ///< what would be accepted (SSV_E_RANGE, SSV_E_NOT_UNIT)
 } ssv_fault_t;

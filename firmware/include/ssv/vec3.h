@@ -115,13 +115,19 @@ inline quat_t quat_from_axis_angle(vec3_t axis, real_t angle_rad) {
 inline quat_t quat_between(vec3_t from, vec3_t to) {
     const real_t cosine = vec3_dot(from, to);
     const vec3_t e = vec3_cross(from, to);
-    if (cosine > REAL(-0.5)) return quat_unit((quat_t){REAL(1) + cosine, e.x, e.y, e.z});
-    // Close to opposite, 1 + cosine cancels, and the axis must be made square to from.
-    const real_t sine = vec3_norm(e);
-    const vec3_t square = vec3_sub(e, vec3_scale(vec3_dot(e, from), from));
-    const vec3_t axis = sine > real_max(REAL(1e-8), 16 * REAL_NOISE) ? vec3_unit(square) : vec3_perpendicular(from);
-    const vec3_t f = vec3_scale(REAL(1) - cosine, axis);
-    return quat_unit((quat_t){sine, f.x, f.y, f.z});
+    quat_t r = {REAL(1) + cosine, e.x, e.y, e.z};
+    if (cosine <= REAL(-0.5)) {
+        // Close to opposite, 1 + cosine cancels, and the axis must be made square to from.
+        const real_t sine = vec3_norm(e);
+        const vec3_t square = vec3_sub(e, vec3_scale(vec3_dot(e, from), from));
+        const vec3_t axis = sine > real_max(REAL(1e-8), 16 * REAL_NOISE) ? vec3_unit(square) : vec3_perpendicular(from);
+        const vec3_t f = vec3_scale(REAL(1) - cosine, axis);
+        r.w = sine;
+        r.x = f.x;
+        r.y = f.y;
+        r.z = f.z;
+    }
+    return quat_unit(r);
 }
 
 /// X_AC = X_AB X_BC.

@@ -1,16 +1,21 @@
-/// Gauss-Legendre rule with 8 points on [-1, 1].
+/// The Gauss-Legendre rules of the planner. A rule with n points is exact for polynomials up to degree 2 n - 1.
 #ifndef SSV_GAUSS_H
 #define SSV_GAUSS_H
 
 #include "ssv/real.h"
 
-#define GAUSS_NODES 8
+typedef struct {
+    real_t node, weight;
+} gauss_point_t;
 
-static const real_t gauss_node[GAUSS_NODES] = {
-    REAL(-0.96028985649753623), REAL(-0.79666647741362674), REAL(-0.52553240991632899), REAL(-0.18343464249564980),
-    REAL(0.18343464249564980),  REAL(0.52553240991632899),  REAL(0.79666647741362674),  REAL(0.96028985649753623)};
-static const real_t gauss_weight[GAUSS_NODES] = {
-    REAL(0.10122853629037626), REAL(0.22238103445337447), REAL(0.31370664587788729), REAL(0.36268378337836198),
-    REAL(0.36268378337836198), REAL(0.31370664587788729), REAL(0.22238103445337447), REAL(0.10122853629037626)};
+#define GAUSS_3_POINTS 3
+#define GAUSS_4_POINTS 4
+#define GAUSS_8_POINTS 8
+
+/// On [0, 1]: the weights add up to 1.
+extern const gauss_point_t gauss_3[GAUSS_3_POINTS], gauss_4[GAUSS_4_POINTS];
+
+/// On [-1, 1]: the weights add up to 2.
+extern const gauss_point_t gauss_8[GAUSS_8_POINTS];
 
 #endif

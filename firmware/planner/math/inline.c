@@ -13,6 +13,7 @@ extern real_t real_tan(real_t a);
 extern real_t real_atan2(real_t y, real_t x);
 extern real_t real_from_int(int a);
 extern bool real_is_finite(real_t a);
+extern int64_t real_to_nano(real_t a);
 extern real_t real_scale(real_t a, int n);
 extern uint32_t real_overflows(void);
 extern int real_exponent(real_t a);

@@ -69,6 +69,11 @@ static uint64_t size_of(int64_t a) { return a < 0 ? 0 - (uint64_t)a : (uint64_t)
 
 static int64_t with_sign(bool negative, uint64_t size) { return negative ? -(int64_t)size : (int64_t)size; }
 
+int64_t real_to_nano(real_t a) {
+    const uint64_t size = size_of(a), whole = (size >> 32) * 1000000000;
+    return with_sign(a < 0, whole + (((size & UINT32_MAX) * 1000000000 + (UINT64_C(1) << 31)) >> 32));
+}
+
 // ---- The four operations and the root
 // -----------------------------------------------------------------------------------
 

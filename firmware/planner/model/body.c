@@ -11,10 +11,10 @@ static void wrench_add(ssv_wrench_t* sum, vec3_t force, vec3_t moment) {
 static void add_strips(ssv_wrench_t* sum, vec3_t a, vec3_t b, real_t z_from, real_t z_to) {
     if (!(z_to > z_from)) return;
     const real_t mid = real_mul(REAL(0.5), z_from + z_to), half = real_mul(REAL(0.5), z_to - z_from);
-    for (int k = 0; k < GAUSS_NODES; k++) {
-        const real_t z = mid + real_mul(half, gauss_node[k]);
+    for (int k = 0; k < GAUSS_8_POINTS; k++) {
+        const real_t z = mid + real_mul(half, gauss_8[k].node);
         const real_t x = a.x + real_mul(b.x, z), y = a.y + real_mul(b.y, z);
-        const real_t share = real_mul(real_mul(gauss_weight[k], half), real_sqrt(real_sq(x) + real_sq(y)));
+        const real_t share = real_mul(real_mul(gauss_8[k].weight, half), real_sqrt(real_sq(x) + real_sq(y)));
         const real_t f_x = real_mul(share, x), f_y = real_mul(share, y);
         sum->force.x += f_x;
         sum->force.y += f_y;
@@ -38,7 +38,7 @@ static ssv_wrench_t strip_drag(const ssv_beam_t* beam, vec3_t v_B, vec3_t w_B) {
                           vec3_scale(beam->drag_strip_kg_m2, sum.moment)};
 }
 
-// a x (m a), m by axis: exactly zero where all of m is the same. Noise in its place would keep laws of thrusters apart.
+// a x (m a), m by axis: exactly zero where all of m is the same. Noise in its place would keep idle curves apart.
 static vec3_t gyration(vec3_t m, vec3_t a) {
     return vec3(real_mul(m.z - m.y, real_mul(a.y, a.z)), real_mul(m.x - m.z, real_mul(a.z, a.x)),
                 real_mul(m.y - m.x, real_mul(a.x, a.y)));

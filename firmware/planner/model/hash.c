@@ -1,4 +1,5 @@
 // 64-bit FNV-1a over values in a fixed byte order, so that a hash says the same on every machine.
+#include "planner/model/fields.def"
 #include "ssv/planner.h"
 
 #define FNV_START UINT64_C(0xcbf29ce484222325)
@@ -16,56 +17,53 @@ static uint64_t hash_int(uint64_t hash, int value) { return hash_u64(hash, (uint
 
 static uint64_t hash_real(uint64_t hash, real_t value) { return hash_u64(hash, real_bits(value)); }
 
-static uint64_t hash_vec3(uint64_t hash, vec3_t value) {
-    return hash_real(hash_real(hash_real(hash, value.x), value.y), value.z);
+static uint64_t hash_vec3(uint64_t hash, const vec3_t* value) {
+    return hash_real(hash_real(hash_real(hash, value->x), value->y), value->z);
 }
 
-static uint64_t hash_pose(uint64_t hash, pose_t value) {
-    hash = hash_vec3(hash, value.p);
-    return hash_vec3(hash_real(hash, value.q.w), vec3(value.q.x, value.q.y, value.q.z));
+static uint64_t hash_quat(uint64_t hash, const quat_t* value) {
+    return hash_real(hash_real(hash_real(hash_real(hash, value->w), value->x), value->y), value->z);
 }
+
+static uint64_t hash_pose(uint64_t hash, const pose_t* value) {
+    return hash_quat(hash_vec3(hash, &value->p), &value->q);
+}
+
+// What a field counts for, by its kind.
+#define HASH_REAL(value) hash_real(hash, value)
+#define HASH_VEC3(value) hash_vec3(hash, &(value))
+#define HASH_UNIT(value) hash_vec3(hash, &(value))
+#define HASH_QUAT(value) hash_quat(hash, &(value))
+#define HASH_INT(value) hash_int(hash, (int)(value))
+#define HASH_BOOL(value) hash_int(hash, (value) ? 1 : 0)
+#define HASH_ENUM(type) HASH_INT
+#define HASH_HEIGHT(k) (k) >= scenario->num_attach_heights ? hash : HASH_REAL
+#define HASH_RING(value) hash_real(hash, scenario->ring_angle_given ? (value) : REAL(0))
+#define HASH_FIELD(kind, core, wire, min, max, unit, text) hash = HASH_##kind(scenario->core);
+
+// Of a body that stands by itself.
+#define HASH_BODY_FIELD(kind, core, wire, min, max, unit, text) hash = HASH_##kind(core);
 
 static uint64_t hash_body(uint64_t hash, const ssv_body_t* body) {
-    hash = hash_real(hash, body->mass_kg);
-    hash = hash_vec3(hash, body->inertia_kg_m2);
-    hash = hash_vec3(hash, body->added_mass_kg);
-    hash = hash_real(hash, body->drag_lin_kg_s);
-    hash = hash_real(hash, body->drag_quad_kg_m);
-    hash = hash_real(hash, body->drag_lin_ang_Nm_s);
-    return hash_real(hash, body->drag_quad_ang_Nm_s2);
+    SSV_BODY_FIELDS(HASH_BODY_FIELD, (*body))
+    return hash;
 }
 
 uint64_t ssv_scenario_hash(const ssv_scenario_t* scenario) {
-    const ssv_vehicle_t* vehicle = &scenario->vehicle;
-    uint64_t hash = hash_body(FNV_START, &vehicle->body);
-    hash = hash_real(hash, vehicle->radius_m);
-    hash = hash_real(hash, vehicle->force_max_N);
+    uint64_t hash = hash_body(FNV_START, &scenario->vehicle.body);
+    SSV_VEHICLE_FIELDS(HASH_FIELD)
     for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-        hash = hash_vec3(hash, vehicle->thruster[i].p_ST_m);
-        hash = hash_vec3(hash, vehicle->thruster[i].n_T_S);
+        SSV_THRUSTER_FIELDS(HASH_FIELD, i)
     }
     hash = hash_body(hash, &scenario->beam.body);
-    hash = hash_real(hash, scenario->beam.radius_m);
-    hash = hash_real(hash, scenario->beam.length_m);
-    hash = hash_real(hash, scenario->beam.drag_strip_kg_m2);
-    hash = hash_pose(hash, scenario->X_IS);
-    hash = hash_pose(hash, scenario->X_IB);
-    hash = hash_vec3(hash, scenario->p_IP_m);
-    hash = hash_vec3(hash, scenario->axis_I);
-    hash = hash_int(hash, scenario->contact);
-    hash = hash_real(hash, scenario->standoff_m);
-    hash = hash_real(hash, scenario->weight_time_per_s);
-    hash = hash_real(hash, scenario->weight_impulse_per_Ns);
-    hash = hash_int(hash, (int)scenario->method);
-    hash = hash_int(hash, (int)scenario->effort);
-    hash = hash_int(hash, scenario->num_attach_heights);
-    for (int k = 0; k < scenario->num_attach_heights && k < SSV_MAX_ATTACH_HEIGHTS; k++) {
-        hash = hash_real(hash, scenario->attach_heights_m[k]);
+    SSV_BEAM_FIELDS(HASH_FIELD)
+    SSV_TASK_FIELDS(HASH_FIELD)
+    SSV_METHOD_FIELDS(HASH_FIELD)
+    for (int k = 0; k < SSV_MAX_ATTACH_HEIGHTS; k++) {
+        SSV_HEIGHT_FIELDS(HASH_FIELD, k)
     }
-    hash = hash_int(hash, scenario->attach_anywhere ? 1 : 0);
-    hash = hash_int(hash, scenario->want_candidates ? 1 : 0);
-    hash = hash_int(hash, scenario->ring_angle_given ? 1 : 0);
-    return hash_real(hash, scenario->ring_angle_given ? scenario->ring_angle_rad : REAL(0));
+    SSV_OPTION_FIELDS(HASH_FIELD)
+    return hash;
 }
 
 static uint64_t hash_candidate(uint64_t hash, const ssv_candidate_t* candidate) {
@@ -87,21 +85,22 @@ static uint64_t hash_leg(uint64_t hash, const ssv_leg_t* leg) {
     hash = hash_real(hash, leg->impulse_Ns);
     hash = hash_real(hash, leg->length);
     hash = hash_real(hash, leg->peak_speed);
-    hash = hash_vec3(hash, leg->v_S);
-    hash = hash_vec3(hash, leg->w_S);
-    hash = hash_pose(hash, leg->X_IS_start);
-    hash = hash_pose(hash, leg->X_IS_end);
-    hash = hash_int(hash, leg->first_piece);
-    return hash_int(hash, leg->num_pieces);
+    hash = hash_vec3(hash, &leg->v_S);
+    hash = hash_vec3(hash, &leg->w_S);
+    hash = hash_pose(hash, &leg->X_IS_start);
+    hash = hash_pose(hash, &leg->X_IS_end);
+    hash = hash_int(hash, leg->first_arc);
+    return hash_int(hash, leg->num_arcs);
 }
 
-static uint64_t hash_piece(uint64_t hash, const ssv_piece_t* piece) {
-    hash = hash_real(hash, piece->t_s);
-    hash = hash_real(hash, piece->duration_s);
-    hash = hash_real(hash, piece->s);
-    hash = hash_real(hash, piece->v_start);
-    hash = hash_real(hash, piece->v_end);
-    return hash_vec3(hash, vec3(piece->law[0], piece->law[1], piece->law[2]));
+static uint64_t hash_arc(uint64_t hash, const ssv_arc_t* arc) {
+    hash = hash_real(hash, arc->t_s);
+    hash = hash_real(hash, arc->duration_s);
+    hash = hash_real(hash, arc->s);
+    hash = hash_real(hash, arc->v_start);
+    hash = hash_real(hash, arc->v_end);
+    for (int i = 0; i < 3; i++) hash = hash_real(hash, arc->dv_dt[i]);
+    return hash;
 }
 
 static uint64_t hash_segment(uint64_t hash, const ssv_segment_t* segment) {
@@ -125,15 +124,15 @@ uint64_t ssv_plan_hash(const ssv_plan_t* plan) {
     for (int k = 0; k < plan->quote.num_candidates; k++) hash = hash_candidate(hash, &plan->quote.candidate[k]);
     hash = hash_int(hash, plan->num_legs);
     for (int k = 0; k < plan->num_legs; k++) hash = hash_leg(hash, &plan->leg[k]);
-    hash = hash_int(hash, plan->num_pieces);
-    for (int k = 0; k < plan->num_pieces; k++) hash = hash_piece(hash, &plan->piece[k]);
+    hash = hash_int(hash, plan->num_arcs);
+    for (int k = 0; k < plan->num_arcs; k++) hash = hash_arc(hash, &plan->arc[k]);
     hash = hash_int(hash, plan->num_segments);
     for (int k = 0; k < plan->num_segments; k++) hash = hash_segment(hash, &plan->segment[k]);
     hash = hash_int(hash, plan->num_events);
     for (int k = 0; k < plan->num_events; k++) {
         hash = hash_int(hash_real(hash, plan->event[k].t_s), (int)plan->event[k].kind);
     }
-    hash = hash_pose(hash, plan->X_SB);
-    hash = hash_pose(hash, plan->X_IS_final);
-    return hash_pose(hash, plan->X_IB_final);
+    hash = hash_pose(hash, &plan->X_SB);
+    hash = hash_pose(hash, &plan->X_IS_final);
+    return hash_pose(hash, &plan->X_IB_final);
 }

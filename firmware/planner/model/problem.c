@@ -1,141 +1,133 @@
+// Checks a scenario against the field table, and caches what follows from it.
 #include "planner/model/allocation.h"
+#include "planner/model/fields.def"
 
-#define NUM_BODY_FIELDS 7
+const char ssv_scalar[] = REAL_NAME;
 
 // Every check stops at the first fault; the caller's fault is written there.
 typedef struct {
     ssv_fault_t* fault;
+    int index; // of what is being checked, -1 where there is only one
     bool ok;
 } checker_t;
 
-static void fail(checker_t* checker, ssv_status_t status, const char* field, int index, real_t value, real_t min,
-                 real_t max) {
-    *checker->fault = (ssv_fault_t){status, field, index, value, min, max};
+static void fail(checker_t* checker, ssv_status_t status, const char* field, real_t value, real_t min, real_t max) {
+    *checker->fault = (ssv_fault_t){status, field, checker->index, value, min, max};
     checker->ok = false;
 }
 
-static void check_at(checker_t* checker, const char* field, int index, real_t value, real_t min, real_t max) {
+static void check(checker_t* checker, const char* field, real_t value, real_t min, real_t max) {
     if (!checker->ok) return;
     if (!real_is_finite(value)) {
-        fail(checker, SSV_E_NOT_FINITE, field, index, value, min, max);
+        fail(checker, SSV_E_NOT_FINITE, field, value, min, max);
     } else if (value < min || value > max) {
-        fail(checker, SSV_E_RANGE, field, index, value, min, max);
+        fail(checker, SSV_E_RANGE, field, value, min, max);
     }
 }
 
-static void check(checker_t* checker, const char* field, real_t value, real_t min, real_t max) {
-    check_at(checker, field, -1, value, min, max);
+static void check_vec3(checker_t* checker, const char* field, vec3_t v, real_t min, real_t max) {
+    check(checker, field, v.x, min, max);
+    check(checker, field, v.y, min, max);
+    check(checker, field, v.z, min, max);
 }
 
-static void check_vec3(checker_t* checker, const char* field, int index, vec3_t v, real_t min, real_t max) {
-    check_at(checker, field, index, v.x, min, max);
-    check_at(checker, field, index, v.y, min, max);
-    check_at(checker, field, index, v.z, min, max);
-}
-
-static void check_length(checker_t* checker, const char* field, int index, real_t length) {
+static void check_length(checker_t* checker, const char* field, real_t length) {
     if (!checker->ok) return;
     const real_t min = REAL(1) - SSV_UNIT_TOLERANCE, max = REAL(1) + SSV_UNIT_TOLERANCE;
-    if (length < min || length > max) fail(checker, SSV_E_NOT_UNIT, field, index, length, min, max);
+    if (length < min || length > max) fail(checker, SSV_E_NOT_UNIT, field, length, min, max);
 }
 
 // A component beyond 2 is not of a unit vector, and its square might overflow.
-static vec3_t check_direction(checker_t* checker, const char* field, int index, vec3_t v) {
-    check_vec3(checker, field, index, v, REAL(-2), REAL(2));
+static vec3_t check_unit(checker_t* checker, const char* field, vec3_t v, real_t min, real_t max) {
+    check_vec3(checker, field, v, min, max);
     if (!checker->ok) return v;
-    check_length(checker, field, index, vec3_norm(v));
+    check_length(checker, field, vec3_norm(v));
     return checker->ok ? vec3_unit(v) : v;
 }
 
-static quat_t check_quat(checker_t* checker, const char* field, quat_t q) {
-    check(checker, field, q.w, REAL(-2), REAL(2));
-    check_vec3(checker, field, -1, vec3(q.x, q.y, q.z), REAL(-2), REAL(2));
+static quat_t check_quat(checker_t* checker, const char* field, quat_t q, real_t min, real_t max) {
+    check(checker, field, q.w, min, max);
+    check_vec3(checker, field, vec3(q.x, q.y, q.z), min, max);
     if (!checker->ok) return q;
-    check_length(checker, field, -1, quat_norm(q));
+    check_length(checker, field, quat_norm(q));
     return checker->ok ? quat_unit(q) : q;
 }
 
-static void check_body(checker_t* checker, const char* const field[NUM_BODY_FIELDS], const ssv_body_t* body) {
-    check(checker, field[0], body->mass_kg, REAL(0.01), REAL(10000));
-    check_vec3(checker, field[1], -1, body->inertia_kg_m2, REAL(1e-4), REAL(100000));
-    check_vec3(checker, field[2], -1, body->added_mass_kg, REAL(0), REAL(10000));
-    check(checker, field[3], body->drag_lin_kg_s, REAL(0), REAL(100000));
-    check(checker, field[4], body->drag_quad_kg_m, REAL(0), REAL(100000));
-    check(checker, field[5], body->drag_lin_ang_Nm_s, REAL(0), REAL(100000));
-    check(checker, field[6], body->drag_quad_ang_Nm_s2, REAL(0), REAL(100000));
+// What is checked of a field, by its kind.
+#define CHECK_REAL(field, value, min, max) check(checker, field, value, min, max);
+#define CHECK_VEC3(field, value, min, max) check_vec3(checker, field, value, min, max);
+#define CHECK_UNIT(field, value, min, max) value = check_unit(checker, field, value, min, max);
+#define CHECK_QUAT(field, value, min, max) value = check_quat(checker, field, value, min, max);
+#define CHECK_INT(field, value, min, max) check(checker, field, real_from_int((int)(value)), min, max);
+#define CHECK_BOOL(field, value, min, max)
+#define CHECK_ENUM(type) CHECK_INT
+#define CHECK_HEIGHT(k)                                                                                                \
+    if ((k) < s->num_attach_heights) CHECK_REAL
+#define CHECK_RING(field, value, min, max)                                                                             \
+    if (s->ring_angle_given) CHECK_REAL(field, value, min, max)
+#define CHECK_FIELD(kind, core, wire, min, max, unit, text) CHECK_##kind(#wire, s->core, min, max)
+
+// Of a body that stands by itself, its paths in order.
+#define CHECK_BODY_FIELD(kind, core, wire, min, max, unit, text) CHECK_##kind(*path++, core, min, max)
+#define PATH(kind, core, wire, min, max, unit, text) #wire,
+
+static void check_body(checker_t* checker, const char* const* path, const ssv_body_t* body) {
+    SSV_BODY_FIELDS(CHECK_BODY_FIELD, (*body))
 }
 
-static void check_vehicle(checker_t* checker, ssv_vehicle_t* vehicle) {
-    static const char* const field[NUM_BODY_FIELDS] = {
-        "vehicle.mass_kg",        "vehicle.inertia_kg_m2",     "vehicle.added_mass_kg",      "vehicle.drag_lin_kg_s",
-        "vehicle.drag_quad_kg_m", "vehicle.drag_lin_ang_Nm_s", "vehicle.drag_quad_ang_Nm_s2"};
-    check_body(checker, field, &vehicle->body);
-    check(checker, "vehicle.radius_m", vehicle->radius_m, REAL(0.001), REAL(10));
-    check(checker, "vehicle.force_max_N", vehicle->force_max_N, REAL(0.001), REAL(10000));
+static void check_vehicle(checker_t* checker, ssv_scenario_t* s) {
+    static const char* const path[] = {SSV_BODY_FIELDS(PATH, vehicle.body)};
+    check_body(checker, path, &s->vehicle.body);
+    SSV_VEHICLE_FIELDS(CHECK_FIELD)
     for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-        ssv_thruster_t* thruster = &vehicle->thruster[i];
-        check_vec3(checker, "vehicle.thrusters[].p_ST_m", i, thruster->p_ST_m, REAL(-10), REAL(10));
-        thruster->n_T_S = check_direction(checker, "vehicle.thrusters[].n_T_S", i, thruster->n_T_S);
+        checker->index = i;
+        SSV_THRUSTER_FIELDS(CHECK_FIELD, i)
     }
+    checker->index = -1;
 }
 
-static void check_beam(checker_t* checker, const ssv_beam_t* beam) {
-    static const char* const field[NUM_BODY_FIELDS] = {
-        "beam.mass_kg",        "beam.inertia_kg_m2",     "beam.added_mass_kg",      "beam.drag_lin_kg_s",
-        "beam.drag_quad_kg_m", "beam.drag_lin_ang_Nm_s", "beam.drag_quad_ang_Nm_s2"};
-    check_body(checker, field, &beam->body);
-    check(checker, "beam.radius_m", beam->radius_m, REAL(0.001), REAL(10));
-    check(checker, "beam.length_m", beam->length_m, REAL(0.01), REAL(100));
-    check(checker, "beam.drag_strip_kg_m2", beam->drag_strip_kg_m2, REAL(0), REAL(100000));
+static void check_beam(checker_t* checker, ssv_scenario_t* s) {
+    static const char* const path[] = {SSV_BODY_FIELDS(PATH, beam.body)};
+    check_body(checker, path, &s->beam.body);
+    SSV_BEAM_FIELDS(CHECK_FIELD)
 }
 
 static void check_task(checker_t* checker, ssv_scenario_t* s) {
-    check_vec3(checker, "vehicle.p_IS_m", -1, s->X_IS.p, REAL(-1000), REAL(1000));
-    s->X_IS.q = check_quat(checker, "vehicle.q_IS", s->X_IS.q);
-    check_vec3(checker, "beam.p_IB_m", -1, s->X_IB.p, REAL(-1000), REAL(1000));
-    s->X_IB.q = check_quat(checker, "beam.q_IB", s->X_IB.q);
-    check_vec3(checker, "port.p_IP_m", -1, s->p_IP_m, REAL(-1000), REAL(1000));
-    s->axis_I = check_direction(checker, "port.axis_I", -1, s->axis_I);
-    check(checker, "beam.contact", real_from_int(s->contact), REAL(0), real_from_int(SSV_NUM_CONTACTS));
-    check(checker, "standoff_m", s->standoff_m, REAL(0.001), REAL(20));
-    check(checker, "weights.time", s->weight_time_per_s, REAL(0), REAL(1000));
-    check(checker, "weights.impulse", s->weight_impulse_per_Ns, REAL(0), REAL(1000));
+    SSV_TASK_FIELDS(CHECK_FIELD)
     if (checker->ok && !(s->weight_time_per_s > REAL(0)) && !(s->weight_impulse_per_Ns > REAL(0))) {
-        fail(checker, SSV_E_WEIGHTS, "weights", -1, REAL(0), REAL(0), REAL(1000));
+        fail(checker, SSV_E_WEIGHTS, "weight_time_per_s", REAL(0), REAL(0), REAL(1000));
     }
-    check(checker, "method", real_from_int((int)s->method), REAL(0), real_from_int((int)SSV_METHOD_PAPER));
-    check(checker, "effort", real_from_int((int)s->effort), REAL(0), real_from_int((int)SSV_EFFORT_BEST));
 }
 
-static void check_grasp(checker_t* checker, ssv_scenario_t* s) {
+static void check_options(checker_t* checker, ssv_scenario_t* s) {
     const real_t half = real_mul(REAL(0.5), s->beam.length_m);
-    check(checker, "attach_heights_m", real_from_int(s->num_attach_heights), REAL(0),
-          real_from_int(SSV_MAX_ATTACH_HEIGHTS));
+    SSV_METHOD_FIELDS(CHECK_FIELD)
     if (!checker->ok) return;
-    for (int k = 0; k < s->num_attach_heights; k++) {
-        check_at(checker, "attach_heights_m[]", k, s->attach_heights_m[k], -half, half);
+    for (int k = 0; k < SSV_MAX_ATTACH_HEIGHTS; k++) {
+        checker->index = k;
+        SSV_HEIGHT_FIELDS(CHECK_FIELD, k)
     }
-    if (s->num_attach_heights == 0) {
+    checker->index = -1;
+    SSV_OPTION_FIELDS(CHECK_FIELD)
+    if (checker->ok && s->num_attach_heights == 0) {
         s->num_attach_heights = 3;
         s->attach_heights_m[0] = half;
         s->attach_heights_m[1] = REAL(0);
         s->attach_heights_m[2] = -half;
     }
-    const real_t turn = real_mul(REAL(2), REAL_PI);
-    if (s->ring_angle_given) check(checker, "ring_angle_rad", s->ring_angle_rad, -turn, turn);
 }
 
 ssv_status_t ssv_problem_init(ssv_problem_t* problem, const ssv_scenario_t* scenario, ssv_fault_t* fault) {
     ssv_scenario_t s = *scenario;
     ssv_allocation_t allocation;
-    checker_t checker = {fault, true};
-    check_vehicle(&checker, &s.vehicle);
-    check_beam(&checker, &s.beam);
+    checker_t checker = {fault, -1, true};
+    check_vehicle(&checker, &s);
+    check_beam(&checker, &s);
     check_task(&checker, &s);
-    check_grasp(&checker, &s);
+    check_options(&checker, &s);
     // An inverse that overflows is too large in any case.
     if (checker.ok && ssv_alloc_init(&s.vehicle, &allocation) != SSV_OK) {
-        fail(&checker, SSV_E_SINGULAR, "vehicle.thrusters", -1, REAL(0), REAL(0), REAL(0));
+        fail(&checker, SSV_E_SINGULAR, "vehicle.thruster", REAL(0), REAL(0), REAL(0));
     }
     if (!checker.ok) return fault->status;
     problem->scenario = s;
@@ -171,7 +163,7 @@ const char* ssv_outcome_str(ssv_outcome_t outcome) {
         case SSV_FEASIBLE: return "feasible";
         case SSV_TOO_LONG: return "takes longer than the longest plan";
         case SSV_NO_AUTHORITY: return "the thrusters cannot move the body along a leg";
-        case SSV_TOO_MANY_PIECES: return "the motion has more pieces than a plan holds";
+        case SSV_TOO_MANY_ARCS: return "the motion has more arcs than a plan holds";
         case SSV_TOO_MANY_SEGMENTS: return "the timeline has more segments than a plan holds";
     }
     return "unknown outcome";

@@ -1,63 +1,49 @@
 #include "planner/motion/maneuver.h"
 
 #include "planner/model/allocation.h"
-
-// Shorter moves are rounding of the geometry, not motion: a hundredth of a micrometre, or of a microradian.
-#define LENGTH_MIN real_max(REAL(1e-8), 16 * REAL_NOISE)
-// A turn whose pivot is farther away than this is rather a flight; one in which S moves less than this per radian is a
-// turn.
-#define FAR_PIVOT_M REAL(10)
-#define MATTERS_M REAL(0.01)
-// Below this angle three terms of the sine and cosine are as good as all.
-#define SMALL_RAD REAL(1e-3)
-// The paper's two ramps tie if their prices are closer than this fraction: the order decides, not digits in which
-// scalars differ.
-#define RAMPS_TIE REAL(1e-6)
-// A thrust coefficient smaller than this fraction of its neighbours is rounding of the allocation. No more than that
-// may go: where a second costs next to nothing, a millionth of the drag decides by how many seconds a coast is worth
-// while.
-#define COEFFICIENT_MIN real_max(REAL(9.3132257461547852e-10), 16 * REAL_EPSILON)
+#include "planner/motion/price_order.h"
+#include "planner/motion/tolerance.h"
 
 real_t ssv_leg_weight_time(const ssv_question_t* question) {
     return real_max(question->weight_time_per_s, real_mul(SSV_SECOND_COSTS_N, question->weight_impulse_per_Ns));
 }
 
-ssv_move_t ssv_move_translate(ssv_phase_t phase, vec3_t displacement_S) {
+ssv_maneuver_t ssv_maneuver_translate(ssv_phase_t phase, vec3_t displacement_S) {
     const vec3_t zero = vec3(REAL(0), REAL(0), REAL(0));
-    ssv_move_t move = {phase, SSV_TRANSLATE, {zero, zero}, vec3_norm(displacement_S)};
-    if (move.length < LENGTH_MIN) {
-        move.length = REAL(0);
+    ssv_maneuver_t maneuver = {phase, SSV_TRANSLATE, {zero, zero}, vec3_norm(displacement_S)};
+    if (maneuver.length < SSV_LENGTH_MIN) {
+        maneuver.length = REAL(0);
     } else {
-        move.twist.v = vec3_unit(displacement_S);
+        maneuver.twist.v = vec3_unit(displacement_S);
     }
-    return move;
+    return maneuver;
 }
 
-ssv_move_t ssv_move_turn(ssv_phase_t phase, vec3_t axis_S, real_t angle_rad, vec3_t pivot_S) {
-    const ssv_move_t move = {
-        phase, SSV_TURN, {vec3_cross(pivot_S, axis_S), axis_S}, angle_rad < LENGTH_MIN ? REAL(0) : angle_rad};
-    return move;
+ssv_maneuver_t ssv_maneuver_turn(ssv_phase_t phase, vec3_t axis_S, real_t angle_rad, vec3_t pivot_S) {
+    const ssv_maneuver_t maneuver = {
+        phase, SSV_TURN, {vec3_cross(pivot_S, axis_S), axis_S}, angle_rad < SSV_LENGTH_MIN ? REAL(0) : angle_rad};
+    return maneuver;
 }
 
-ssv_move_t ssv_move_between(ssv_phase_t phase, pose_t X_IS_from, pose_t X_IS_to) {
+ssv_maneuver_t ssv_maneuver_between(ssv_phase_t phase, pose_t X_IS_from, pose_t X_IS_to) {
     const pose_t X = pose_between(X_IS_from, X_IS_to);
     const real_t sign = X.q.w < REAL(0) ? REAL(-1) : REAL(1);
     const vec3_t e = vec3_scale(sign, vec3(X.q.x, X.q.y, X.q.z));
     const real_t sine = vec3_norm(e), half = real_atan2(sine, real_abs(X.q.w)), angle = real_mul(REAL(2), half);
-    if (angle < LENGTH_MIN) return ssv_move_translate(phase, X.p);
+    if (angle < SSV_LENGTH_MIN) return ssv_maneuver_translate(phase, X.p);
     // Angle times the inverse of p = (s + (1 - cos s) [w] + (s - sin s) [w]^2) v: how far S moves, in its own axes.
     const vec3_t w = vec3_unit(e), wp = vec3_cross(w, X.p);
     const real_t bend = REAL(1) - real_div(real_mul(half, real_abs(X.q.w)), sine);
     const vec3_t path = vec3_add(X.p, vec3_add(vec3_scale(-half, wp), vec3_scale(bend, vec3_cross(w, wp))));
     const real_t arc = vec3_norm(path), shift = real_abs(vec3_dot(path, w));
-    const bool pitched = shift > real_mul(LENGTH_MIN, angle) && arc > real_mul(MATTERS_M, angle);
-    if (pitched || arc > real_mul(FAR_PIVOT_M, angle)) {
-        return (ssv_move_t){phase, SSV_SCREW, {vec3_unit(path), vec3_scale(real_div(angle, arc), w)}, arc};
+    const bool pitched = shift > real_mul(SSV_LENGTH_MIN, angle) && arc > real_mul(SSV_PIVOT_NEAR_M, angle);
+    if (pitched || arc > real_mul(SSV_PIVOT_FAR_M, angle)) {
+        return (ssv_maneuver_t){phase, SSV_SCREW, {vec3_unit(path), vec3_scale(real_div(angle, arc), w)}, arc};
     }
-    return (ssv_move_t){phase, SSV_TURN, {vec3_scale(real_div(REAL(1), angle), path), w}, angle};
+    return (ssv_maneuver_t){phase, SSV_TURN, {vec3_scale(real_div(REAL(1), angle), path), w}, angle};
 }
 
-pose_t ssv_move_pose(pose_t X_IS, ssv_twist_t twist, real_t s) {
+pose_t ssv_maneuver_pose(pose_t X_IS, ssv_twist_t twist, real_t s) {
     const real_t rate = vec3_norm(twist.w), angle = real_mul(s, rate);
     const vec3_t moved = vec3_scale(s, twist.v);
     pose_t X = {moved, quat_identity()};
@@ -65,7 +51,7 @@ pose_t ssv_move_pose(pose_t X_IS, ssv_twist_t twist, real_t s) {
         // Rodrigues: p = (a + (1 - cos a) [w] + (a - sin a) [w]^2) v s / a for |w| = 1; as a series while a is small.
         const vec3_t w = vec3_unit(twist.w);
         const vec3_t across = vec3_cross(w, moved), back = vec3_cross(w, across);
-        const bool small = angle < SMALL_RAD;
+        const bool small = angle < SSV_SMALL_RAD;
         const real_t sine = real_sin(real_mul(REAL(0.5), angle)); // 1 - cos a = 2 sine^2, without the difference
         const real_t c = small ? real_mul(REAL(0.5), angle) : real_mul(REAL(2), real_div(real_sq(sine), angle));
         const real_t d = small ? real_mul(REAL(1.0 / 6), real_sq(angle)) : REAL(1) - real_div(real_sin(angle), angle);
@@ -79,12 +65,12 @@ static void trim(real_t c[SSV_NUM_THRUSTERS]) {
     real_t largest = REAL(0);
     for (int i = 0; i < SSV_NUM_THRUSTERS; i++) largest = real_max(largest, real_abs(c[i]));
     for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-        if (real_abs(c[i]) < real_mul(COEFFICIENT_MIN, largest)) c[i] = REAL(0);
+        if (real_abs(c[i]) < real_mul(SSV_COEFFICIENT_MIN, largest)) c[i] = REAL(0);
     }
 }
 
-void ssv_move_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assembly, ssv_twist_t twist,
-                      ssv_thrusts_t* thrusts) {
+void ssv_maneuver_thrusts(const ssv_problem_t* problem, const ssv_assembly_t* assembly, ssv_twist_t twist,
+                          ssv_thrusts_t* thrusts) {
     ssv_demand_t demand;
     ssv_body_demand(assembly, twist, &demand);
     ssv_alloc(&problem->allocation, demand.accel.force, demand.accel.moment, thrusts->accel);
@@ -114,8 +100,8 @@ bool ssv_price_beats(const ssv_price_t* a, const ssv_price_t* b) {
     return a->outcome == SSV_FEASIBLE && (b->outcome != SSV_FEASIBLE || a->cost < b->cost);
 }
 
-static ssv_rule_t rule_of(const ssv_question_t* question, const ssv_move_t* move, ssv_ramp_t ramp) {
-    const real_t cutoff = move->kind == SSV_TRANSLATE ? SSV_CUTOFF_TRANSLATE_M_S : SSV_CUTOFF_TURN_RAD_S;
+static ssv_rule_t rule_of(const ssv_question_t* question, const ssv_maneuver_t* maneuver, ssv_ramp_t ramp) {
+    const real_t cutoff = maneuver->kind == SSV_TRANSLATE ? SSV_CUTOFF_TRANSLATE_M_S : SSV_CUTOFF_TURN_RAD_S;
     return (ssv_rule_t){ramp, cutoff, ssv_leg_weight_time(question), question->weight_impulse_per_Ns, REAL(0)};
 }
 
@@ -129,37 +115,37 @@ static ssv_price_t price_of(const ssv_question_t* question, const ssv_profile_pr
     return price;
 }
 
-ssv_price_t ssv_move_price(const ssv_question_t* question, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
-                           ssv_ramp_t* ramp) {
+ssv_price_t ssv_maneuver_price(const ssv_question_t* question, const ssv_maneuver_t* maneuver,
+                               const ssv_thrusts_t* thrusts, ssv_ramp_t* ramp) {
     *ramp = SSV_FULL_REVERSE;
-    if (!(move->length > REAL(0))) return (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
+    if (!(maneuver->length > REAL(0))) return (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
     if (question->method == SSV_METHOD_OPTIMAL) {
         *ramp = SSV_OPTIMAL;
-        const ssv_rule_t rule = rule_of(question, move, *ramp);
-        const ssv_profile_price_t optimal = ssv_profile_price(thrusts, &rule, move->length);
+        const ssv_rule_t rule = rule_of(question, maneuver, *ramp);
+        const ssv_profile_price_t optimal = ssv_profile_price(thrusts, &rule, maneuver->length);
         return price_of(question, &optimal);
     }
-    const ssv_rule_t rule = rule_of(question, move, *ramp);
+    const ssv_rule_t rule = rule_of(question, maneuver, *ramp);
     ssv_profile_price_t full_reverse, drag_only;
-    ssv_profile_price_ramps(thrusts, &rule, move->length, &full_reverse, &drag_only);
+    ssv_profile_price_ramps(thrusts, &rule, maneuver->length, &full_reverse, &drag_only);
     const ssv_price_t reverse = price_of(question, &full_reverse), drift = price_of(question, &drag_only);
-    ssv_price_t to_beat = reverse;
-    to_beat.cost -= real_mul(RAMPS_TIE, reverse.cost);
-    if (!ssv_price_beats(&drift, &to_beat)) return reverse;
+    if (drift.outcome != SSV_FEASIBLE) return reverse;
+    const bool tie = reverse.outcome == SSV_FEASIBLE && !ssv_less_by(drift.cost, reverse.cost, SSV_RAMPS_TIE);
+    if (tie) return reverse;
     *ramp = SSV_DRAG_ONLY;
     return drift;
 }
 
-ssv_price_t ssv_move_solve(const ssv_question_t* question, const ssv_move_t* move, const ssv_thrusts_t* thrusts,
-                           ssv_profile_t* profile, ssv_ramp_t* ramp) {
-    profile->num_pieces = 0;
+ssv_price_t ssv_maneuver_solve(const ssv_question_t* question, const ssv_maneuver_t* maneuver,
+                               const ssv_thrusts_t* thrusts, ssv_profile_t* profile, ssv_ramp_t* ramp) {
+    profile->num_arcs = 0;
     *ramp = SSV_OPTIMAL;
-    if (question->method == SSV_METHOD_PAPER || !(move->length > REAL(0))) {
-        const ssv_price_t price = ssv_move_price(question, move, thrusts, ramp);
-        if (price.outcome != SSV_FEASIBLE || !(move->length > REAL(0))) return price;
+    if (question->method == SSV_METHOD_PAPER || !(maneuver->length > REAL(0))) {
+        const ssv_price_t price = ssv_maneuver_price(question, maneuver, thrusts, ramp);
+        if (price.outcome != SSV_FEASIBLE || !(maneuver->length > REAL(0))) return price;
     }
-    const ssv_rule_t rule = rule_of(question, move, *ramp);
-    const ssv_outcome_t outcome = ssv_profile_solve(thrusts, &rule, move->length, profile);
+    const ssv_rule_t rule = rule_of(question, maneuver, *ramp);
+    const ssv_outcome_t outcome = ssv_profile_solve(thrusts, &rule, maneuver->length, profile);
     const ssv_profile_price_t price = {outcome, profile->duration_s, profile->impulse_Ns, profile->peak_speed};
     return price_of(question, &price);
 }

@@ -1,6 +1,8 @@
 #include "planner/motion/path.h"
 
+#include "planner/math/assert.h"
 #include "planner/profile/estimate.h"
+#include "planner/profile/limits.h"
 
 static void add_price(ssv_price_t* sum, const ssv_price_t* price) {
     if (sum->outcome == SSV_FEASIBLE) sum->outcome = price->outcome;
@@ -23,37 +25,38 @@ ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, real_t height
 
 static bool same(vec3_t a, vec3_t b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
-static bool same_move(const ssv_move_t* a, const ssv_move_t* b) {
+static bool same_maneuver(const ssv_maneuver_t* a, const ssv_maneuver_t* b) {
     return a->kind == b->kind && a->length == b->length && same(a->twist.v, b->twist.v) && same(a->twist.w, b->twist.w);
 }
 
-void ssv_flight_price(const ssv_question_t* question, const ssv_assembly_t* assembly, const ssv_flight_t* known,
-                      ssv_flight_t* flight) {
-    flight->price = (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
-    for (int k = 0; k < flight->num_moves; k++) {
-        const ssv_move_t* move = &flight->move[k];
-        if (known != NULL && k < known->num_moves && same_move(move, &known->move[k])) {
-            flight->move_price[k] = known->move_price[k];
+void ssv_phase_path_price(const ssv_question_t* question, const ssv_assembly_t* assembly, const ssv_phase_path_t* known,
+                          ssv_phase_path_t* phase) {
+    SSV_ASSERT(0 <= phase->num_maneuvers && phase->num_maneuvers <= SSV_MAX_PHASE_MANEUVERS);
+    phase->price = (ssv_price_t){SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
+    for (int k = 0; k < phase->num_maneuvers; k++) {
+        const ssv_maneuver_t* maneuver = &phase->maneuver[k];
+        if (known != NULL && k < known->num_maneuvers && same_maneuver(maneuver, &known->maneuver[k])) {
+            phase->maneuver_price[k] = known->maneuver_price[k];
         } else {
             ssv_thrusts_t thrusts;
             ssv_ramp_t ramp;
-            ssv_move_thrusts(question->problem, assembly, move->twist, &thrusts);
-            flight->move_price[k] = ssv_move_price(question, move, &thrusts, &ramp);
+            ssv_maneuver_thrusts(question->problem, assembly, maneuver->twist, &thrusts);
+            phase->maneuver_price[k] = ssv_maneuver_price(question, maneuver, &thrusts, &ramp);
         }
-        add_price(&flight->price, &flight->move_price[k]);
+        add_price(&phase->price, &phase->maneuver_price[k]);
     }
 }
 
-bool ssv_moves_estimate(const ssv_question_t* question, const ssv_assembly_t* assembly, const ssv_move_t move[],
-                        int num_moves, real_t closeness, real_t* price) {
+bool ssv_maneuvers_estimate(const ssv_question_t* question, const ssv_assembly_t* assembly,
+                            const ssv_maneuver_t maneuver[], int num_maneuvers, real_t closeness, real_t* price) {
     const real_t weight_time = ssv_leg_weight_time(question);
     *price = REAL(0);
-    for (int k = 0; k < num_moves; k++) {
-        if (!(move[k].length > REAL(0))) continue;
+    for (int k = 0; k < num_maneuvers; k++) {
+        if (!(maneuver[k].length > REAL(0))) continue;
         ssv_thrusts_t thrusts;
         real_t cost, peak_speed;
-        ssv_move_thrusts(question->problem, assembly, move[k].twist, &thrusts);
-        if (!ssv_profile_estimate(&thrusts, weight_time, question->weight_impulse_per_Ns, move[k].length, closeness,
+        ssv_maneuver_thrusts(question->problem, assembly, maneuver[k].twist, &thrusts);
+        if (!ssv_profile_estimate(&thrusts, weight_time, question->weight_impulse_per_Ns, maneuver[k].length, closeness,
                                   &cost, &peak_speed)) {
             return false;
         }
@@ -62,11 +65,11 @@ bool ssv_moves_estimate(const ssv_question_t* question, const ssv_assembly_t* as
     return true;
 }
 
-ssv_price_t ssv_chain_price(const ssv_flight_t* transit, const ssv_flight_t* transfer) {
-    const ssv_flight_t* flight[2] = {transit, transfer};
+ssv_price_t ssv_path_price(const ssv_phase_path_t* transit, const ssv_phase_path_t* transfer) {
+    const ssv_phase_path_t* phases[2] = {transit, transfer};
     ssv_price_t price = {SSV_FEASIBLE, REAL(0), REAL(0), REAL(0)};
     for (int phase = 0; phase < 2; phase++) {
-        for (int k = 0; k < flight[phase]->num_moves; k++) add_price(&price, &flight[phase]->move_price[k]);
+        for (int k = 0; k < phases[phase]->num_maneuvers; k++) add_price(&price, &phases[phase]->maneuver_price[k]);
     }
     if (price.outcome == SSV_FEASIBLE && price.time_s > SSV_DURATION_MAX_S) price.outcome = SSV_TOO_LONG;
     return price;
@@ -83,14 +86,15 @@ ssv_candidate_t ssv_candidate_of(const ssv_grasp_t* grasp, const ssv_price_t* pr
     return candidate;
 }
 
-void ssv_chain_join(const ssv_grasp_t* grasp, const ssv_flight_t* transit, const ssv_flight_t* transfer, pose_t X_SB,
-                    ssv_chain_t* chain) {
-    const ssv_flight_t* flight[2] = {transit, transfer};
-    chain->grasp = *grasp;
-    chain->X_SB = X_SB;
-    chain->num_moves = 0;
-    chain->price = ssv_chain_price(transit, transfer);
+void ssv_path_join(const ssv_grasp_t* grasp, const ssv_phase_path_t* transit, const ssv_phase_path_t* transfer,
+                   pose_t X_SB, ssv_path_t* path) {
+    const ssv_phase_path_t* phases[2] = {transit, transfer};
+    path->grasp = *grasp;
+    path->X_SB = X_SB;
+    path->num_maneuvers = 0;
+    path->price = ssv_path_price(transit, transfer);
     for (int phase = 0; phase < 2; phase++) {
-        for (int k = 0; k < flight[phase]->num_moves; k++) chain->move[chain->num_moves++] = flight[phase]->move[k];
+        for (int k = 0; k < phases[phase]->num_maneuvers; k++)
+            path->maneuver[path->num_maneuvers++] = phases[phase]->maneuver[k];
     }
 }

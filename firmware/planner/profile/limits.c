@@ -1,24 +1,26 @@
+// Which speeds and accelerations the thrusters of a leg allow, and the units to reckon them in.
 #include "planner/profile/limits.h"
 
+#include "planner/math/assert.h"
+#include "planner/profile/tolerance.h"
+
 #define N SSV_NUM_THRUSTERS
-// A thruster with a smaller share of the largest acceleration than this holds drag alone.
-#define WEAK real_max(REAL(1e-11), 1024 * REAL_NOISE)
-// Thrusters whose laws agree this closely are one.
-#define SAME real_max(REAL(1e-10), 4 * REAL_NOISE)
-// A price counts as holding the peak down to no less than 2 to minus half this power of what inertia allows.
-#define SLOWEST 6
 
 bool ssv_thrusts_scale(const ssv_thrusts_t* thrusts, real_t weight_time_per_s, real_t weight_impulse_per_Ns,
                        real_t distance, ssv_units_t* units, ssv_thrusts_t* scaled) {
+    SSV_ASSERT(distance > REAL(0) && !(thrusts->force_max_N < REAL(0)));
     real_t total = REAL(0);
     for (int i = 0; i < N; i++) total += real_abs(thrusts->accel[i]);
     if (!(total > REAL(0))) return false;
     const int length = real_exponent(distance), force = real_exponent(thrusts->force_max_N);
+    // The thrust that is worth as much as the time it takes. Where it is less than the limit, it holds the peak down.
     const int worth = real_exponent(weight_time_per_s) - real_exponent(weight_impulse_per_Ns);
-    const bool thrifty = weight_impulse_per_Ns > REAL(0) && worth < force;
-    const int acting = !thrifty ? force : worth > force - SLOWEST ? worth : force - SLOWEST;
-    const int twice = length - real_exponent(total) + acting;
-    const int speed = twice < 0 ? -((1 - twice) / 2) : twice / 2, time = length - speed;
+    const bool price_binds = weight_impulse_per_Ns > REAL(0) && worth < force;
+    const int least = force - PRICE_HOLDS_DOWN_EXPONENT;
+    const int acting = !price_binds ? force : worth > least ? worth : least;
+    // The peak of a short leg is the root of acceleration times length.
+    const int speed_squared = length - real_exponent(total) + acting;
+    const int speed = speed_squared < 0 ? -((1 - speed_squared) / 2) : speed_squared / 2, time = length - speed;
     *units = (ssv_units_t){length, time, speed, force};
     for (int i = 0; i < N; i++) {
         scaled->accel[i] = real_scale(thrusts->accel[i], speed - time - force);
@@ -29,46 +31,49 @@ bool ssv_thrusts_scale(const ssv_thrusts_t* thrusts, real_t weight_time_per_s, r
     return true;
 }
 
-static bool same(real_t a, real_t b) { return real_abs(a - b) <= real_mul(SAME, real_abs(a) + real_abs(b)); }
+static bool same(real_t a, real_t b) { return real_abs(a - b) <= real_mul(SAME_IDLE_CURVE, real_abs(a) + real_abs(b)); }
 
-bool ssv_laws_of(const ssv_thrusts_t* t, ssv_laws_t* laws) {
+bool ssv_thruster_groups_of(const ssv_thrusts_t* t, ssv_thruster_groups_t* groups) {
     real_t largest = REAL(0);
     for (int i = 0; i < N; i++) largest = real_max(largest, real_abs(t->accel[i]));
-    laws->num = laws->num_passive = 0;
-    laws->total = REAL(0);
+    groups->num = groups->num_passive = 0;
+    groups->total = REAL(0);
     for (int i = 0; i < N; i++) {
         const real_t A = t->accel[i];
-        if (real_abs(A) <= real_mul(WEAK, largest)) {
+        if (real_abs(A) <= real_mul(PASSIVE_SHARE, largest)) {
             if (t->linear[i] == REAL(0) && t->quadratic[i] == REAL(0)) continue;
-            laws->passive_linear[laws->num_passive] = t->linear[i];
-            laws->passive_quadratic[laws->num_passive++] = t->quadratic[i];
+            groups->passive_linear[groups->num_passive] = t->linear[i];
+            groups->passive_quadratic[groups->num_passive++] = t->quadratic[i];
             continue;
         }
         const real_t limit = real_div(t->force_max_N, real_abs(A));
         const real_t linear = -real_div(t->linear[i], A), quadratic = -real_div(t->quadratic[i], A);
         int k = 0;
-        while (k < laws->num && !(same(laws->linear[k], linear) && same(laws->quadratic[k], quadratic))) k++;
-        if (k == laws->num) {
-            laws->weight[k] = REAL(0);
-            laws->limit[k] = limit;
-            laws->linear[k] = linear;
-            laws->quadratic[k] = quadratic;
-            laws->num++;
+        while (k < groups->num && !(same(groups->linear[k], linear) && same(groups->quadratic[k], quadratic))) k++;
+        if (k == groups->num) {
+            groups->weight[k] = REAL(0);
+            groups->limit[k] = limit;
+            groups->linear[k] = linear;
+            groups->quadratic[k] = quadratic;
+            groups->num++;
         }
-        laws->weight[k] += real_abs(A);
-        laws->limit[k] = real_min(laws->limit[k], limit);
-        laws->total += real_abs(A);
+        groups->weight[k] += real_abs(A);
+        groups->limit[k] = real_min(groups->limit[k], limit);
+        groups->total += real_abs(A);
     }
-    return laws->num > 0;
+    SSV_ASSERT(groups->num + groups->num_passive <= N);
+    return groups->num > 0;
 }
 
-real_t ssv_holding_thrust(const ssv_thrusts_t* thrusts, real_t v) {
+real_t ssv_cruise_thrust(const ssv_thrusts_t* thrusts, real_t v) {
+    SSV_ASSERT(!(v < REAL(0)));
     real_t sum = REAL(0);
     for (int i = 0; i < N; i++) sum += real_abs(thrusts->linear[i] + real_mul(thrusts->quadratic[i], v));
     return real_mul(sum, v);
 }
 
 real_t ssv_terminal_speed(const ssv_thrusts_t* thrusts, real_t most) {
+    SSV_ASSERT(!(most < REAL(0)) && !(thrusts->force_max_N < REAL(0)));
     const real_t four_F = real_mul(REAL(4), thrusts->force_max_N);
     real_t top = most;
     for (int i = 0; i < N; i++) {
@@ -88,11 +93,13 @@ real_t ssv_terminal_speed(const ssv_thrusts_t* thrusts, real_t most) {
     return top;
 }
 
-// Sought from the top down, over the speeds at which some thruster changes sign.
-real_t ssv_cruise_speed(const ssv_thrusts_t* thrusts, real_t weight_time, real_t weight_impulse, real_t top) {
-    real_t v = top;
+// From the top speed down, from one speed at which some thruster changes sign to the next: between them the price per
+// distance has one formula.
+real_t ssv_cruise_speed(const ssv_thrusts_t* thrusts, real_t weight_time, real_t weight_impulse, real_t top_speed) {
+    SSV_ASSERT(!(top_speed < REAL(0)) && !(weight_time < REAL(0)) && !(weight_impulse < REAL(0)));
+    real_t v = top_speed;
     for (int n = 0; n <= N; n++) {
-        // Slope of the holding thrust per speed just below v, and the next change of sign below it.
+        // Slope of the cruise thrust over the speed just below v, and the next change of sign below it.
         real_t slope = REAL(0), below = REAL(0);
         for (int i = 0; i < N; i++) {
             const real_t b = thrusts->linear[i], c = thrusts->quadratic[i], size = real_abs(c);

@@ -1,83 +1,99 @@
-/// Ramps: how speed rises from rest, or falls to it, under a rule that binds some thruster at each speed (DESIGN.md 5).
+/// Ramps: how speed rises from rest, or falls to it, under a switching rule that says at each speed which thruster is
+/// bound and to what (DESIGN.md 5).
 #ifndef SSV_RAMP_H
 #define SSV_RAMP_H
 
+#include <stdbool.h>
+
+#include "planner/math/assert.h"
 #include "planner/profile/arc.h"
 #include "planner/profile/limits.h"
+#include "ssv/real.h"
+#include "ssv/scenario.h"
 
-/// Which thruster is bound, at its limit or to no thrust. The thrifty rules are those of the optimal profile.
-typedef enum { SSV_SPEED_UP, SSV_BRAKE, SSV_COAST, SSV_THRIFTY_UP, SSV_THRIFTY_SLOW } ssv_policy_t;
+/// Which thruster is bound. SPEED_UP and BRAKE: the one with the tightest limit, to that limit (bang arcs). COAST: the
+/// one whose idling gives the least total thrust (coast arcs). MIN_COST_UP and MIN_COST_SLOW: as the optimality
+/// conditions ask, to its limit or to no thrust.
+typedef enum { SSV_SPEED_UP, SSV_BRAKE, SSV_COAST, SSV_MIN_COST_UP, SSV_MIN_COST_SLOW } ssv_switching_rule_t;
 
-/// A leg's laws, and what the rules need beside them.
+/// What the switching rules of a leg look at. The weights and `coasts` are for the minimum-cost rules alone.
 typedef struct {
-    ssv_laws_t laws;
-    real_t top;                     ///< speeds go up to here
-    real_t size[SSV_NUM_THRUSTERS]; ///< of the idle law, up to the top: what rounding is judged against
-    real_t weight_time,
-        weight_impulse; ///< of the thrifty rules, whose marginal cost of distance is that of holding the top
-    bool coasts[SSV_NUM_THRUSTERS]; ///< thrifty rules: whether a coast on this thruster differs from a cruise, up to
-                                    ///< the top
-} ssv_steering_t;
+    ssv_thruster_groups_t groups;
+    real_t top_speed;               ///< speeds go up to here
+    real_t size[SSV_NUM_THRUSTERS]; ///< largest idle acceleration up to the top speed: what rounding is judged against
+    real_t weight_time;             ///< the marginal cost of distance is that of a cruise at the top speed
+    real_t weight_impulse;
+    bool coasts[SSV_NUM_THRUSTERS]; ///< whether an arc on which this group idles differs from a cruise
+} ssv_switching_t;
 
 /// Sets the speed that ramps go up to.
-void ssv_steering_up_to(ssv_steering_t* steering, real_t top);
+void ssv_switching_up_to(ssv_switching_t* switching, real_t top_speed);
 
-/// The law of no stretch.
-#define SSV_NO_LAW (-1)
+/// The id of no arc. Others: see ssv_ramp_dv_dt.
+#define SSV_NO_ARC (-1)
 
-/// A stretch of a ramp under one law, between two speeds.
+/// An arc of a ramp, between two speeds.
 typedef struct {
     real_t v_low, v_high;
-    ssv_moments_t m; ///< integrals over it; distance is from v_low to v_high
-    int law;         ///< see ssv_ramp_law
-} ssv_stretch_t;
+    ssv_moments_t m; ///< integrals over it, as if it went from v_low to v_high
+    int arc_id;
+} ssv_speed_arc_t;
 
-/// A ramp from rest upwards. The stretches lie `step` apart, so that two ramps can grow from both ends of one array. A
-/// ramp to a speed of zero is empty: it has no stretch, covers no distance and takes no time.
+/// A ramp from rest upwards, as the table of its arcs; a ramp that slows is the same against time. The arcs lie `step`
+/// apart in an array, so that two ramps can grow from both ends of one. A ramp to a speed of zero is empty: it has no
+/// arc, covers no distance and takes no time.
+///
+/// A leg flies its ramps only up to the peak. ssv_ramp_distance_to notes how far that is: arcs 0 to `last` are flown,
+/// all but `last` to their ends; `partial` is the flown part of arc `last`. Of an empty ramp last is -1.
 typedef struct {
-    ssv_stretch_t* first;
+    ssv_speed_arc_t* first;
     int step, num;
-    int last;          ///< where it was last looked at: the stretch, -1 of an empty ramp,
-    ssv_stretch_t cut; ///< and that up to there
+    int last;
+    ssv_speed_arc_t partial;
 } ssv_ramp_table_t;
 
-static inline ssv_stretch_t* ssv_ramp_stretch(const ssv_ramp_table_t* ramp, int k) {
+static inline ssv_speed_arc_t* ssv_ramp_arc(const ssv_ramp_table_t* ramp, int k) {
+    SSV_ASSERT(k >= 0 && k < ramp->num);
     return ramp->first + k * ramp->step;
 }
 
 /// Speed up to which a ramp goes.
-static inline real_t ssv_ramp_top(const ssv_ramp_table_t* ramp) {
-    return ramp->num > 0 ? ssv_ramp_stretch(ramp, ramp->num - 1)->v_high : REAL(0);
+static inline real_t ssv_ramp_top_speed(const ssv_ramp_table_t* ramp) {
+    return ramp->num > 0 ? ssv_ramp_arc(ramp, ramp->num - 1)->v_high : REAL(0);
 }
 
-/// dv/dt = Q(v) of a stretch.
-void ssv_ramp_law(const ssv_laws_t* laws, int law, real_t c[3]);
+/// The coefficients of dv/dt on an arc: those of the group of thrusters that its id says is bound.
+void ssv_ramp_dv_dt(const ssv_thruster_groups_t* groups, int arc_id, real_t dv_dt[3]);
 
-/// Extends the ramp under one rule to a speed, with at most `room` stretches in all. @return false if these do not
-/// suffice.
-bool ssv_ramp_extend(const ssv_steering_t* steering, ssv_policy_t policy, real_t top, int room, ssv_ramp_table_t* ramp);
+/// Extends the ramp under one rule to a speed, with at most `room` arcs in all.
+/// @return false if these do not suffice.
+bool ssv_ramp_extend(const ssv_switching_t* switching, ssv_switching_rule_t rule, real_t top_speed, int room,
+                     ssv_ramp_table_t* ramp);
 
-/// Ends the ramp where its speed would no longer fall.
-void ssv_ramp_keep_slowing(const ssv_laws_t* laws, ssv_ramp_table_t* ramp);
+/// Ends the ramp at the first arc that does not slow the body all along.
+void ssv_ramp_keep_slowing(const ssv_thruster_groups_t* groups, ssv_ramp_table_t* ramp);
 
-/// Integrals of a law between two speeds, low to high whichever way it goes.
-ssv_moments_t ssv_ramp_integrals(const real_t law[3], real_t v_low, real_t v_high);
+/// Integrals between two speeds, counted as positive whichever way dv/dt leads.
+ssv_moments_t ssv_ramp_integrals(const real_t dv_dt[3], real_t v_low, real_t v_high);
 
-/// Fills the integrals of all stretches.
-void ssv_ramp_measure(const ssv_laws_t* laws, ssv_ramp_table_t* ramp);
+/// Fills the integrals of all arcs.
+void ssv_ramp_measure(const ssv_thruster_groups_t* groups, ssv_ramp_table_t* ramp);
 
 /// |dv/dt| at a speed; 0 on an empty ramp.
-real_t ssv_ramp_acceleration(const ssv_laws_t* laws, const ssv_ramp_table_t* ramp, real_t v);
+real_t ssv_ramp_acceleration(const ssv_thruster_groups_t* groups, const ssv_ramp_table_t* ramp, real_t v);
 
-/// Distance from rest to v, and |dv/dt| there; keeps the cut there. Both are 0 on an empty ramp, which has no cut.
-real_t ssv_ramp_reach(const ssv_laws_t* laws, ssv_ramp_table_t* ramp, real_t v, real_t* acceleration);
+/// Distance from rest to speed v, and |dv/dt| there. The ramp is flown up to there from now on. Both are 0 on an empty
+/// ramp.
+real_t ssv_ramp_distance_to(const ssv_thruster_groups_t* groups, ssv_ramp_table_t* ramp, real_t v,
+                            real_t* acceleration);
 
-/// Whether some thruster idles on the ramp where ssv_ramp_reach last looked.
-bool ssv_ramp_idles(const ssv_ramp_table_t* ramp);
+/// Whether the last arc that is flown is a coast arc.
+bool ssv_ramp_ends_coasting(const ssv_ramp_table_t* ramp);
 
-/// Stretch k <= ramp->last of the ramp as far as ssv_ramp_reach last looked.
-static inline const ssv_stretch_t* ssv_ramp_up_to_cut(const ssv_ramp_table_t* ramp, int k) {
-    return k == ramp->last ? &ramp->cut : ssv_ramp_stretch(ramp, k);
+/// Arc k <= ramp->last as far as it is flown.
+static inline const ssv_speed_arc_t* ssv_ramp_flown_arc(const ssv_ramp_table_t* ramp, int k) {
+    SSV_ASSERT(k >= 0 && k <= ramp->last);
+    return k == ramp->last ? &ramp->partial : ssv_ramp_arc(ramp, k);
 }
 
 #endif

@@ -1,331 +1,74 @@
-// Turn, fly, turn, with everything that is free decided by J (DESIGN.md 6).
-#include "planner/profile/estimate.h"
-#include "planner/search/search.h"
+#include "planner/search/optimal.h"
 
-// ---- How much is tried
-// --------------------------------------------------------------------------------------------------
+#include "planner/math/assert.h"
+#include "planner/model/grasp.h"
+#include "planner/motion/maneuver.h"
+#include "planner/motion/path.h"
+#include "planner/motion/question.h"
+#include "planner/search/budget.h"
+#include "planner/search/decision.h"
+#include "planner/search/minimize.h"
+#include "planner/search/seed.h"
+#include "ssv/vec3.h"
 
-#define MAX_TRANSITS 2
-#define NUM_ROUNDS 3
-// When a step of the refinement is taken, as fractions of the price; by measurement: of J, and of how often float and
-// double part.
-typedef struct {
-    real_t worth_a_look; // what a parabola must promise
-    real_t least_bend;   // what it is bent at least, whatever the prices say
-    real_t clearly;      // how much lower an end must be than where the parabola leads
-} caution_t;
-typedef struct {
-    int refined, sweeps; // how many of the cheapest, and with how many sweeps
-    bool pairs;          // of numbers, too
-} stage_t;
-typedef struct {
-    real_t closeness; // of estimates
-    caution_t caution;
-    int kinds, starts; // kinds of starts of a transfer, and how many of each are drawn; none if a look has done it
-    stage_t rounds[NUM_ROUNDS]; // refinement of the transfer, round after round
-    int transits;               // starts of the transit
-    stage_t transit, joint; // refinement of the transit, and of the transfer once more with the price of both phases
-} budget_t;
-
-#define LOOK_KINDS 2
-static const budget_t budgets[] = {
-    [SSV_EFFORT_QUICK] = {.closeness = SSV_ESTIMATE_ROUGHLY,
-                          .caution = {.worth_a_look = REAL(1e-4), .least_bend = REAL(3e-3), .clearly = REAL(2e-4)},
-                          .rounds = {{SSV_LOOK_STARTS, 1, false}},
-                          .transits = MAX_TRANSITS},
-    [SSV_EFFORT_BEST] = {.closeness = SSV_ESTIMATE_CLOSELY,
-                         .caution = {.worth_a_look = REAL(1e-5), .least_bend = REAL(1e-5), .clearly = REAL(2e-6)},
-                         .kinds = 3,
-                         .starts = 3,
-                         .rounds = {{SSV_MAX_STARTS, 1, false}, {3, 3, false}, {1, 3, true}},
-                         .transits = MAX_TRANSITS,
-                         .transit = {1, 3, false},
-                         .joint = {1, 4, true}}};
-static const budget_t glance = {.transits = 1};
-
-// A parabola is not trusted beyond so many steps.
-#define FARTHEST REAL(2.5)
-// Where no thruster acts along a leg: no vehicle that ssv_problem_init accepts is so.
-#define NO_PRICE (REAL_MAX / 64)
-
-// ---- Refinement
-// ---------------------------------------------------------------------------------------------------------
-
-// Steps of the free numbers at first: turn, twist, mate roll and spins, pivots.
-static const real_t first_step[SSV_NUM_TRANSFER] = {REAL(0.1),  REAL(0.1),  REAL(0.1),  REAL(0.15), REAL(0.15),
-                                                    REAL(0.15), REAL(0.25), REAL(0.4),  REAL(0.4),  REAL(0.12),
-                                                    REAL(0.12), REAL(0.12), REAL(0.12), REAL(0.12), REAL(0.12)};
-
-// Estimated price; NO_PRICE where the thrusters cannot do it.
-static real_t try_price(ssv_task_t* task, const ssv_trial_t* trial) {
-    ssv_motion_t motion;
-    real_t price, before = REAL(0);
-    ssv_trial_lay(task, trial, &motion);
-    task->num_priced++;
-    if (!ssv_moves_estimate(task->question, &motion.assembly, motion.move, SSV_MAX_PHASE_MOVES, task->closeness,
-                            &price))
-        return NO_PRICE;
-    if (task->before != NULL) {
-        const ssv_task_t fly = ssv_transit_task(task, &motion.X_from);
-        ssv_trial_lay(&fly, task->before, &motion);
-        if (!ssv_moves_estimate(task->question, &motion.assembly, motion.move, SSV_MAX_PHASE_MOVES, task->closeness,
-                                &before))
-            return NO_PRICE;
+// Seeds of the transfer with the price of their transits: those that screening kept, or fresh ones.
+static ssv_seeds_t begin(ssv_phase_context_t* context, ssv_memory_t* memory, const ssv_budget_t* budget) {
+    if (budget->num_modes == 0) {
+        SSV_ASSERT(0 < memory->num_screened && memory->num_screened <= SSV_SCREENED_SEEDS);
+        const ssv_seeds_t seeds = {memory->seed, memory->num_screened, SSV_MAX_SEEDS};
+        for (int k = 0; k < seeds.num; k++) seeds.seed[k] = memory->screened[k];
+        return seeds;
     }
-    return price + before;
-}
-
-static void go(const real_t direction[SSV_NUM_TRANSFER], real_t step, ssv_trial_t* trial) {
-    for (int k = 0; k < SSV_NUM_TRANSFER; k++) trial->x[k] += real_mul(step, direction[k]);
-}
-
-static real_t price_at(ssv_task_t* task, const ssv_trial_t* trial, const real_t direction[SSV_NUM_TRANSFER],
-                       real_t step) {
-    ssv_trial_t there = *trial;
-    go(direction, step, &there);
-    return try_price(task, &there);
-}
-
-// Prices a step down and a step up along a direction of the parameters, and goes to where the parabola through the
-// three prices is lowest. How far must not hang on the last digits of prices, in which scalars differ: where a parabola
-// is nearly flat it counts as bent, which keeps the step short. @return how far along the direction it went.
-static real_t search_along(ssv_task_t* task, const real_t direction[SSV_NUM_TRANSFER], const caution_t* caution,
-                           ssv_trial_t* trial, real_t* price) {
-    const real_t middle = *price, down = price_at(task, trial, direction, REAL(-1));
-    const real_t up = price_at(task, trial, direction, REAL(1));
-    const real_t fall = real_mul(REAL(0.5), down - up);
-    const real_t bend = real_max(down + up - real_mul(REAL(2), middle), real_mul(caution->least_bend, middle));
-    const bool far = real_abs(fall) >= real_mul(FARTHEST, bend);
-    const real_t step = !far ? real_div(fall, bend) : fall < REAL(0) ? -FARTHEST : FARTHEST;
-    const real_t promised = real_mul(step, fall - real_mul(REAL(0.5), real_mul(bend, step)));
-    real_t went = REAL(0);
-    if (promised > real_mul(caution->worth_a_look, middle)) {
-        const real_t there = price_at(task, trial, direction, step);
-        if (there < middle - real_mul(SSV_EVEN, middle)) {
-            *price = there;
-            went = step;
-        }
-    }
-    const real_t end = real_min(down, up);
-    if (end < *price - real_mul(caution->clearly, middle)) {
-        *price = end;
-        went = up < down - real_mul(SSV_EVEN, down) ? REAL(1) : REAL(-1);
-    }
-    go(direction, went, trial);
-    return real_abs(went);
-}
-
-// Pairs of numbers, each with one that stands so far further along the list: up or down together, or one up and one
-// down.
-static void search_pairs(ssv_task_t* task, const real_t step[SSV_NUM_TRANSFER], int apart, const caution_t* caution,
-                         ssv_trial_t* trial, real_t* price) {
-    for (int k = 0; k < SSV_NUM_TRANSFER; k++) {
-        const int other = (k + apart) % SSV_NUM_TRANSFER;
-        ssv_trial_t against = *trial;
-        real_t price_against = *price, direction[SSV_NUM_TRANSFER] = {REAL(0)};
-        direction[k] = step[k];
-        direction[other] = step[other];
-        search_along(task, direction, caution, trial, price);
-        direction[other] = -step[other];
-        search_along(task, direction, caution, &against, &price_against);
-        if (!(price_against < *price)) continue;
-        *trial = against;
-        *price = price_against;
-    }
-}
-
-// Each number in turn, and after each sweep the way that the sweep went as a whole. Steps shrink where nothing moves.
-// Pairs go on where the price has a kink, at which neither number gains alone.
-static void refine(ssv_task_t* task, const caution_t* caution, const stage_t* stage, ssv_trial_t* trial,
-                   real_t* price) {
-    const int num = task->phase == SSV_TRANSIT ? SSV_NUM_TRANSIT : SSV_NUM_TRANSFER;
-    const bool given = task->phase == SSV_TRANSFER && task->question->problem->scenario.ring_angle_given;
-    real_t step[SSV_NUM_TRANSFER];
-    for (int k = 0; k < num; k++) step[k] = given && k == SSV_X_SPIN ? REAL(0) : first_step[k];
-    for (int n = 0; n < stage->sweeps; n++) {
-        const ssv_trial_t before = *trial;
-        for (int k = 0; k < num; k++) {
-            if (!(step[k] > REAL(0))) continue;
-            real_t direction[SSV_NUM_TRANSFER] = {REAL(0)};
-            direction[k] = step[k];
-            const real_t went = search_along(task, direction, caution, trial, price);
-            step[k] = real_mul(step[k], real_max(REAL(0.3), real_min(REAL(1.5), went)));
-        }
-        if (stage->pairs) search_pairs(task, step, 1 + n, caution, trial, price);
-        real_t direction[SSV_NUM_TRANSFER];
-        for (int k = 0; k < SSV_NUM_TRANSFER; k++) direction[k] = trial->x[k] - before.x[k];
-        search_along(task, direction, caution, trial, price);
-    }
-}
-
-static real_t total(const ssv_start_t* start) { return start->price + start->transit_price; }
-
-// Cheapest first.
-static void sort(ssv_start_t* list, int num) {
-    for (int i = 1; i < num; i++) {
-        const ssv_start_t item = list[i];
-        int k = i;
-        for (; k > 0 && ssv_clearly_less(total(&item), total(&list[k - 1])); k--) list[k] = list[k - 1];
-        list[k] = item;
-    }
-}
-
-// Drops those that cost the same as the one before: in a scene with symmetries they are its mirror images. @return how
-// many stay.
-static int drop_twins(ssv_start_t* list, int num) {
-    int kept = 0;
-    for (int k = 0; k < num; k++) {
-        if (kept > 0 && !ssv_clearly_less(total(&list[kept - 1]), total(&list[k]))) continue;
-        if (kept != k) list[kept] = list[k];
-        kept++;
-    }
-    return kept;
-}
-
-static void price_all(ssv_task_t* task, ssv_start_t* list, int num) {
-    for (int k = 0; k < num; k++) list[k].price = try_price(task, &list[k].trial);
-    sort(list, num);
-}
-
-static void refine_first(ssv_task_t* task, const caution_t* caution, const stage_t* stage, ssv_start_t* list, int num) {
-    const int most = stage->refined < num ? stage->refined : num;
-    for (int k = 0; k < most; k++) refine(task, caution, stage, &list[k].trial, &list[k].price);
-    sort(list, most);
-}
-
-// ---- The search
-// ---------------------------------------------------------------------------------------------------------
-
-// The same transfer with the vehicle the other way up: rolled half a turn about its contact axis.
-static ssv_trial_t other_way_up(const ssv_trial_t* trial) {
-    const quat_t half_turn = {REAL(0), REAL(1), REAL(0), REAL(0)};
-    ssv_trial_t other = *trial;
-    other.q_IT = quat_mul(trial->q_IT, half_turn);
-    other.n_S = quat_apply(half_turn, trial->n_S);
-    other.axis_S = vec3_neg(trial->axis_S);
-    for (int k = 0; k < SSV_NUM_TRANSFER; k++) {
-        if (k % 3 != 0 && (k < SSV_NUM_TRANSIT || k >= SSV_X_PIVOT)) other.x[k] = -other.x[k];
-    }
-    return other;
-}
-
-// Where a transfer begins.
-SSV_OWN_FRAME static pose_t start_of(const ssv_task_t* carry, const ssv_trial_t* transfer) {
-    ssv_motion_t motion;
-    ssv_trial_lay(carry, transfer, &motion);
-    return motion.X_from;
-}
-
-// The cheapest transit to where this transfer begins; NULL if it is not asked for. @return its price.
-static real_t find_transit(ssv_task_t* carry, const ssv_handling_t* handling, const budget_t* budget,
-                           const ssv_trial_t* transfer, ssv_trial_t* transit) {
-    ssv_start_t list[MAX_TRANSITS];
-    const pose_t X_to = start_of(carry, transfer);
-    ssv_task_t fly = ssv_transit_task(carry, &X_to);
-    const int num = ssv_draw_transit(&fly, handling, budget->transits, list);
-    price_all(&fly, list, num);
-    refine_first(&fly, &budget->caution, &budget->transit, list, num);
-    carry->num_priced += fly.num_priced;
-    if (transit != NULL) *transit = list[0].trial;
-    return list[0].price;
-}
-
-// Adds the transit, with the vehicle whichever way up that is cheaper.
-static void add_transit(ssv_task_t* carry, const ssv_handling_t* handling, ssv_start_t* start) {
-    ssv_start_t other = *start;
-    other.trial = other_way_up(&start->trial);
-    if (!handling->either_way_up) other.price = try_price(carry, &other.trial);
-    start->transit_price = find_transit(carry, handling, &glance, &start->trial, NULL);
-    other.transit_price = find_transit(carry, handling, &glance, &other.trial, NULL);
-    if (ssv_clearly_less(total(&other), total(start))) *start = other;
-}
-
-// Draws and prices starts of some kinds, cheapest first.
-static int draw(ssv_task_t* carry, ssv_handling_t* handling, int kinds, int starts, ssv_start_t* list) {
-    int num = 0;
-    for (int kind = 0; kind < kinds; kind++)
-        num += ssv_draw_transfer(carry, handling, (ssv_carry_t)kind, starts, &list[num]);
-    price_all(carry, list, num);
-    return num;
-}
-
-real_t ssv_optimal_flights(const ssv_question_t* question, const ssv_handling_t* handling, int contact,
-                           real_t height_m) {
-    const ssv_scenario_t* s = &question->problem->scenario;
-    const ssv_task_t carry = ssv_transfer_task(question, contact, height_m);
-    const real_t there = vec3_norm(vec3_sub(carry.hold_I[0], s->X_IS.p));
-    const real_t on = vec3_norm(vec3_sub(carry.hold_I[1], carry.hold_I[0]));
-    return real_mul(handling->least, real_max(REAL(0), there - s->standoff_m) +
-                                         real_max(REAL(0), on - real_mul(REAL(2), s->standoff_m)));
-}
-
-real_t ssv_optimal_look(const ssv_question_t* question, ssv_search_t* search, int contact, real_t height_m,
-                        const real_t* to_beat, int* num_priced) {
-    ssv_task_t carry = ssv_transfer_task(question, contact, height_m);
-    ssv_start_t* list = search->start;
-    const int num = draw(&carry, &search->handling, LOOK_KINDS, SSV_LOOK_STARTS / LOOK_KINDS, list);
-    // Where transfers cost the same, their transits decide, and where these do too, refinement.
-    const real_t least = list[0].price;
-    int alike = 0;
-    for (; alike < num && ssv_alike(least, list[alike].price); alike++)
-        add_transit(&carry, &search->handling, &list[alike]);
-    sort(list, alike);
-    *num_priced += carry.num_priced;
-    const real_t price = total(&list[0]);
-    if (to_beat != NULL && !ssv_clearly_less(price, *to_beat)) return price;
-    search->look.num = 0;
-    for (int k = 0; k < alike && ssv_alike(price, total(&list[k])); k++)
-        search->look.start[search->look.num++] = list[k];
-    return price;
+    const ssv_seeds_t seeds = ssv_screen_transfers(context, memory, budget->num_modes, budget->num_seeds);
+    for (int k = 0; k < seeds.num; k++) ssv_screen_both_ways_up(context, &memory->capability, &seeds.seed[k]);
+    return seeds;
 }
 
 // The best transfer and its transit that the budget finds.
-SSV_OWN_FRAME static void find(ssv_task_t* carry, ssv_search_t* search, const budget_t* budget, ssv_trial_t* transfer,
-                               ssv_trial_t* transit) {
-    ssv_handling_t* handling = &search->handling;
-    ssv_start_t* list = search->start;
-    const bool looked = budget->kinds == 0;
-    int num = looked ? search->look.num : draw(carry, handling, budget->kinds, budget->starts, list);
-    for (int k = 0; looked && k < num; k++) list[k] = search->look.start[k];
-    for (int k = 0; !looked && k < num; k++) add_transit(carry, handling, &list[k]);
-    sort(list, num);
-    num = drop_twins(list, num);
-    for (int n = 0; n < NUM_ROUNDS; n++) refine_first(carry, &budget->caution, &budget->rounds[n], list, num);
-    *transfer = list[0].trial;
-    real_t price = list[0].price + find_transit(carry, handling, budget, transfer, transit);
-    carry->before = transit;
-    refine(carry, &budget->caution, &budget->joint, transfer, &price);
+SSV_OWN_FRAME static void find(ssv_phase_context_t* context, ssv_memory_t* memory, const ssv_budget_t* budget,
+                               ssv_decision_t* transfer, ssv_decision_t* transit) {
+    ssv_seeds_t seeds = begin(context, memory, budget);
+    ssv_seeds_sort(&seeds, seeds.num);
+    ssv_seeds_drop_duplicates(&seeds);
+    for (int n = 0; n < SSV_NUM_ROUNDS; n++) {
+        ssv_minimize_seeds(context, &budget->acceptance, &budget->rounds[n], &seeds);
+    }
+    *transfer = seeds.seed[0].decision;
+    real_t price = seeds.seed[0].price +
+                   ssv_screen_transit(context, &memory->capability, SSV_MAX_TRANSIT_SEEDS, budget, transfer, transit);
+    context->transit_before = transit;
+    ssv_minimize(context, &budget->acceptance, &budget->joint, transfer, &price);
 }
 
-static void fly(const ssv_question_t* question, const ssv_motion_t* motion, ssv_flight_t* flight) {
-    flight->num_moves = SSV_MAX_PHASE_MOVES;
-    for (int k = 0; k < SSV_MAX_PHASE_MOVES; k++) flight->move[k] = motion->move[k];
-    ssv_flight_price(question, &motion->assembly, NULL, flight);
+static void price_phase(const ssv_question_t* question, const ssv_motion_t* motion, ssv_phase_path_t* phase) {
+    phase->num_maneuvers = SSV_MAX_PHASE_MANEUVERS;
+    for (int k = 0; k < SSV_MAX_PHASE_MANEUVERS; k++) phase->maneuver[k] = motion->maneuver[k];
+    ssv_phase_path_price(question, &motion->assembly, NULL, phase);
 }
 
-// The exact price of what was found, and its chain in *best if that is cheaper.
-SSV_OWN_FRAME static ssv_candidate_t price_exactly(const ssv_task_t* carry, const ssv_trial_t* transfer,
-                                                   const ssv_trial_t* transit, ssv_chain_t* best) {
+// The exact price of what was found, and its path in *best if that is cheaper.
+SSV_OWN_FRAME static ssv_candidate_t price_exactly(const ssv_phase_context_t* context, const ssv_decision_t* transfer,
+                                                   const ssv_decision_t* transit, ssv_path_t* best) {
     ssv_motion_t motion;
-    ssv_flight_t to_port, to_beam;
-    ssv_trial_lay(carry, transfer, &motion);
-    const ssv_grasp_t grasp = ssv_trial_grasp(carry, &motion.X_from);
+    ssv_phase_path_t to_port, to_beam;
+    ssv_decision_motion(context, transfer, &motion);
+    const ssv_grasp_t grasp = ssv_phase_grasp(context, &motion.X_from);
     const pose_t X_SB = motion.assembly.X_SB;
-    fly(carry->question, &motion, &to_port);
-    const ssv_task_t go = ssv_transit_task(carry, &motion.X_from);
-    ssv_trial_lay(&go, transit, &motion);
-    fly(carry->question, &motion, &to_beam);
-    const ssv_price_t price = ssv_chain_price(&to_beam, &to_port);
-    if (ssv_price_beats(&price, &best->price)) ssv_chain_join(&grasp, &to_beam, &to_port, X_SB, best);
+    price_phase(context->question, &motion, &to_port);
+    const ssv_phase_context_t before = ssv_transit_context(context, &motion.X_from);
+    ssv_decision_motion(&before, transit, &motion);
+    price_phase(context->question, &motion, &to_beam);
+    const ssv_price_t price = ssv_path_price(&to_beam, &to_port);
+    if (ssv_price_beats(&price, &best->price)) ssv_path_join(&grasp, &to_beam, &to_port, X_SB, best);
     return ssv_candidate_of(&grasp, &price);
 }
 
-ssv_candidate_t ssv_search_optimal(const ssv_question_t* question, ssv_search_t* search, int contact, real_t height_m,
-                                   ssv_effort_t effort, ssv_chain_t* best, int* num_priced) {
-    ssv_task_t carry = ssv_transfer_task(question, contact, height_m);
-    carry.closeness = budgets[effort].closeness;
-    ssv_trial_t transfer, transit;
-    find(&carry, search, &budgets[effort], &transfer, &transit);
-    *num_priced += carry.num_priced;
-    return price_exactly(&carry, &transfer, &transit, best);
+ssv_candidate_t ssv_optimal_search(const ssv_search_t* search, int contact, real_t height_m, ssv_effort_t effort) {
+    const ssv_budget_t* budget = &ssv_budgets[effort];
+    ssv_phase_context_t context = ssv_transfer_context(search->question, contact, height_m);
+    context.closeness = budget->closeness;
+    ssv_decision_t transfer, transit;
+    find(&context, search->memory, budget, &transfer, &transit);
+    *search->num_priced += context.num_priced;
+    return price_exactly(&context, &transfer, &transit, search->best);
 }

@@ -1,8 +1,15 @@
-// The choice among the candidates, and what it costs (DESIGN.md 6).
 #include "planner/search/select.h"
 
+#include "planner/math/assert.h"
+#include "planner/motion/maneuver.h"
+#include "planner/motion/price_order.h"
 #include "planner/search/bound.h"
-#include "planner/search/search.h"
+#include "planner/search/budget.h"
+#include "planner/search/capability.h"
+#include "planner/search/optimal.h"
+#include "planner/search/paper.h"
+#include "planner/search/screen.h"
+#include "planner/search/tolerance.h"
 
 // The cheapest candidate that is still feasible; -1 if there is none.
 static int cheapest(const ssv_quote_t* quote) {
@@ -20,168 +27,176 @@ static void improve(ssv_candidate_t* known, ssv_candidate_t found) {
     if (known->outcome != SSV_FEASIBLE || (found.outcome == SSV_FEASIBLE && found.cost < known->cost)) *known = found;
 }
 
-static void list_candidates(const ssv_scenario_t* scenario, ssv_quote_t* quote) {
+static void enter_candidates(const ssv_scenario_t* scenario, ssv_quote_t* quote) {
     for (int contact = 1; contact <= SSV_NUM_CONTACTS; contact++) {
         if (scenario->contact != 0 && scenario->contact != contact) continue;
         for (int k = 0; k < scenario->num_attach_heights; k++) {
+            SSV_ASSERT(quote->num_candidates < SSV_MAX_CANDIDATES);
             quote->candidate[quote->num_candidates++] = (ssv_candidate_t){
                 contact, scenario->attach_heights_m[k], REAL(0), SSV_NO_AUTHORITY, REAL(0), REAL(0), REAL(0)};
         }
     }
 }
 
-// The paper's chain of each candidate that may be cheaper than what is known.
-static void search_paper(const ssv_question_t* question, ssv_quote_t* quote, ssv_chain_t* best) {
-    const ssv_price_t to_beat = best->price;
-    ssv_chain_t chain;
-    ssv_flight_t to_beam = {.num_moves = 0};
+// The paper's path of each candidate that may be cheaper than what is known.
+static void search_paper(const ssv_question_t* question, ssv_quote_t* quote, ssv_path_t* best) {
+    ssv_paper_search_t search;
+    ssv_paper_search_begin(&search, question, &best->price);
+    ssv_path_t path;
     for (int k = 0; k < quote->num_candidates; k++) {
         ssv_candidate_t* candidate = &quote->candidate[k];
-        const int contact = candidate->contact;
-        if (!ssv_search_paper(question, contact, candidate->attach_height_m, &to_beat, &to_beam, &chain,
-                              &quote->num_priced))
-            continue;
-        improve(candidate, ssv_candidate_of(&chain.grasp, &chain.price));
-        if (ssv_price_beats(&chain.price, &best->price)) *best = chain;
+        if (!ssv_paper_search(&search, candidate->contact, candidate->attach_height_m, &path)) continue;
+        improve(candidate, ssv_candidate_of(&path.grasp, &path.price));
+        if (ssv_price_beats(&path.price, &best->price)) *best = path;
     }
+    quote->num_priced += search.num_priced;
 }
 
-// Candidates that method optimal looks at, by effort: those with the shortest ways; and how many of the most promising
-// it searches, beside those that promise the same.
-static const int num_looks[] = {[SSV_EFFORT_QUICK] = 2, [SSV_EFFORT_BEST] = SSV_MAX_CANDIDATES};
-static const int num_searched[] = {[SSV_EFFORT_QUICK] = 1, [SSV_EFFORT_BEST] = 2};
+// What is known of the candidates while they are screened and searched.
+typedef struct {
+    int num;
+    real_t promise[SSV_MAX_CANDIDATES]; // price of the flights alone at first, then what screening finds
+    bool screened[SSV_MAX_CANDIDATES];  // or left out
+    bool done[SSV_MAX_CANDIDATES];      // searched, or left out
+    int favourite;                      // promises least of those screened; -1 before the first
+} prospects_t;
 
-// The least of the prices that is not done; -1 if there is none.
-static int least_of(const real_t price[SSV_MAX_CANDIDATES], const bool done[SSV_MAX_CANDIDATES], int num) {
+// The candidate that promises least of those that are not marked; -1 if there is none.
+static int least_of(const prospects_t* prospects, const bool marked[SSV_MAX_CANDIDATES]) {
+    const real_t* promise = prospects->promise;
     int least = -1;
-    for (int k = 0; k < num; k++) {
-        if (!done[k] && (least < 0 || ssv_clearly_less(price[k], price[least]))) least = k;
+    for (int k = 0; k < prospects->num; k++) {
+        if (!marked[k] && (least < 0 || ssv_clearly_less(promise[k], promise[least]))) least = k;
     }
     return least;
 }
 
-// Searches a candidate, with a look before if effort quick needs one.
-static ssv_candidate_t search_at(const ssv_question_t* question, ssv_search_t* search, int contact, real_t height_m,
-                                 ssv_effort_t effort, bool looked, ssv_chain_t* best, int* num_priced) {
-    if (!looked && effort == SSV_EFFORT_QUICK)
-        (void)ssv_optimal_look(question, search, contact, height_m, NULL, num_priced);
-    return ssv_search_optimal(question, search, contact, height_m, effort, best, num_priced);
+// Screens the candidates with short flights; all of them if all are to be listed.
+static void screen_candidates(const ssv_search_t* search, const ssv_budget_t* budget, const ssv_quote_t* quote,
+                              prospects_t* prospects) {
+    const bool all = search->question->list_candidates;
+    real_t turns = REAL(0); // what those of the favourite cost
+    *prospects = (prospects_t){.num = quote->num_candidates, .favourite = -1};
+    for (int k = 0; k < prospects->num; k++) {
+        const ssv_candidate_t* candidate = &quote->candidate[k];
+        prospects->promise[k] = ssv_screen_flights(search, candidate->contact, candidate->attach_height_m);
+    }
+    for (int n = 0; n < prospects->num; n++) {
+        const int next = least_of(prospects, prospects->screened);
+        const ssv_candidate_t* candidate = &quote->candidate[next];
+        const real_t* to_beat = prospects->favourite >= 0 ? &prospects->promise[prospects->favourite] : NULL;
+        const real_t flights = prospects->promise[next];
+        prospects->screened[next] = true;
+        // Skip screening when the straight flights alone, plus half of the turning cost of the best candidate so far,
+        // already cost as much as that candidate.
+        prospects->done[next] =
+            !all && to_beat != NULL &&
+            (n >= budget->num_screened || flights + real_mul(SSV_TURNS_AT_LEAST, turns) >= *to_beat);
+        if (prospects->done[next]) continue;
+        prospects->promise[next] = ssv_screen(search, candidate->contact, candidate->attach_height_m, to_beat);
+        if (to_beat != NULL && !ssv_clearly_less(prospects->promise[next], *to_beat)) continue;
+        prospects->favourite = next;
+        turns = prospects->promise[next] - flights;
+    }
 }
 
-// A look at the candidates with short ways, then a search of the most promising; of all if all are to be listed.
-SSV_OWN_FRAME static void search_optimal(const ssv_question_t* question, ssv_search_t* search, ssv_effort_t effort,
-                                         ssv_quote_t* quote, ssv_chain_t* best) {
-    const bool all = question->list_candidates;
-    real_t promise[SSV_MAX_CANDIDATES], turns = REAL(0);
-    int favourite = -1; // after the looks so far
-    bool looked[SSV_MAX_CANDIDATES] = {false}, done[SSV_MAX_CANDIDATES] = {false};
-    ssv_handling(question, &search->handling);
-    for (int k = 0; k < quote->num_candidates; k++) {
-        const ssv_candidate_t* candidate = &quote->candidate[k];
-        promise[k] = ssv_optimal_flights(question, &search->handling, candidate->contact, candidate->attach_height_m);
-    }
-    for (int n = 0; n < quote->num_candidates; n++) {
-        const int next = least_of(promise, looked, quote->num_candidates);
-        const ssv_candidate_t* candidate = &quote->candidate[next];
-        const real_t* to_beat = favourite >= 0 ? &promise[favourite] : NULL;
-        looked[next] = true;
-        // No look where the flights, and turns of half the price of the best so far, cost as much as that.
-        const real_t flights = promise[next];
-        done[next] =
-            !all && to_beat != NULL && (n >= num_looks[effort] || flights + real_mul(REAL(0.5), turns) >= *to_beat);
-        if (done[next]) continue;
-        promise[next] = ssv_optimal_look(question, search, candidate->contact, candidate->attach_height_m, to_beat,
-                                         &quote->num_priced);
-        if (to_beat != NULL && !ssv_clearly_less(promise[next], *to_beat)) continue;
-        favourite = next;
-        turns = promise[next] - flights;
-    }
-    for (int n = 0; n < quote->num_candidates; n++) {
-        const int next = n == 0 ? favourite : least_of(promise, done, quote->num_candidates);
-        if (next < 0 || !(all || n < num_searched[effort] || ssv_alike(promise[favourite], promise[next]))) break;
-        // A search rarely gains more than that on a look.
-        const bool hopeless =
-            best->price.outcome == SSV_FEASIBLE && promise[next] >= real_mul(REAL(1.02), best->price.cost);
+// Screens the candidates and searches the most promising; all of them if all are to be listed.
+SSV_OWN_FRAME static void search_candidates(const ssv_search_t* search, ssv_effort_t effort, ssv_quote_t* quote) {
+    const ssv_budget_t* budget = &ssv_budgets[effort];
+    const bool all = search->question->list_candidates;
+    const ssv_price_t* best = &search->best->price;
+    prospects_t prospects;
+    screen_candidates(search, budget, quote, &prospects);
+    for (int n = 0; n < prospects.num; n++) {
+        const int next = n == 0 ? prospects.favourite : least_of(&prospects, prospects.done);
+        if (next < 0) break;
+        const real_t least = prospects.promise[prospects.favourite], promise = prospects.promise[next];
+        if (!(all || n < budget->num_searched || ssv_alike(least, promise))) break;
+        const bool hopeless = best->outcome == SSV_FEASIBLE && promise >= real_mul(SSV_SEARCH_GAIN, best->cost);
         if (n > 0 && !all && hopeless) break;
         ssv_candidate_t* candidate = &quote->candidate[next];
-        done[next] = true;
-        improve(candidate, search_at(question, search, candidate->contact, candidate->attach_height_m, effort, n == 0,
-                                     best, &quote->num_priced));
+        const int contact = candidate->contact;
+        const real_t height_m = candidate->attach_height_m;
+        prospects.done[next] = true;
+        // What the last screening kept is that of the favourite.
+        if (n > 0 && effort == SSV_EFFORT_QUICK) (void)ssv_screen(search, contact, height_m, NULL);
+        improve(candidate, ssv_optimal_search(search, contact, height_m, effort));
     }
 }
 
 // Steps along the beam from the best height so far to the better side, shorter where neither gains; each with a quick
 // search.
-#define FIRST_HEIGHT_STEP REAL(0.125) // of the beam
-#define NUM_HEIGHT_STEPS 6
-static void search_along_beam(const ssv_question_t* question, ssv_search_t* search, ssv_quote_t* quote,
-                              ssv_chain_t* best) {
-    const real_t length = question->problem->scenario.beam.length_m, end = real_mul(REAL(0.5), length);
-    real_t step = real_mul(FIRST_HEIGHT_STEP, length);
-    for (int n = 0; n < NUM_HEIGHT_STEPS && best->price.outcome == SSV_FEASIBLE; n++) {
+static void search_along_beam(const ssv_search_t* search) {
+    const ssv_path_t* best = search->best;
+    const real_t length = search->question->problem->scenario.beam.length_m, end = real_mul(REAL(0.5), length);
+    real_t step = real_mul(SSV_FIRST_HEIGHT_STEP, length);
+    for (int n = 0; n < SSV_NUM_HEIGHT_STEPS && best->price.outcome == SSV_FEASIBLE; n++) {
         const real_t from = best->grasp.height_m;
         for (int side = -1; side <= 1; side += 2) {
-            const real_t height = real_max(-end, real_min(end, side < 0 ? from - step : from + step));
-            if (height == from) continue;
+            const real_t height_m = real_max(-end, real_min(end, side < 0 ? from - step : from + step));
+            if (height_m == from) continue;
             const int contact = best->grasp.contact;
-            (void)search_at(question, search, contact, height, SSV_EFFORT_QUICK, false, best, &quote->num_priced);
+            (void)ssv_screen(search, contact, height_m, NULL);
+            (void)ssv_optimal_search(search, contact, height_m, SSV_EFFORT_QUICK);
         }
         if (best->grasp.height_m == from) step = real_mul(REAL(0.5), step);
     }
 }
 
-// Effort best: every candidate, and the best height between them.
-static void search_closely(const ssv_question_t* question, ssv_search_t* search, ssv_quote_t* quote,
-                           ssv_chain_t* best) {
-    const bool between = question->problem->scenario.attach_anywhere && best->price.outcome == SSV_FEASIBLE;
+// Effort best: the candidates, and the best height between them.
+static void search_closely(const ssv_search_t* search, ssv_quote_t* quote) {
+    const ssv_path_t* best = search->best;
+    const bool between = search->question->problem->scenario.attach_anywhere && best->price.outcome == SSV_FEASIBLE;
     const int contact = between ? best->grasp.contact : 0;
     const real_t height_m = between ? best->grasp.height_m : REAL(0);
-    search_optimal(question, search, SSV_EFFORT_BEST, quote, best);
-    if (!between) return;
-    (void)ssv_search_optimal(question, search, contact, height_m, SSV_EFFORT_BEST, best, &quote->num_priced);
+    search_candidates(search, SSV_EFFORT_BEST, quote);
+    if (between) (void)ssv_optimal_search(search, contact, height_m, SSV_EFFORT_BEST);
 }
 
-_Static_assert(sizeof(ssv_search_t) <= sizeof(ssv_work_t), "the search fits the memory to work in");
-_Static_assert(_Alignof(ssv_search_t) <= _Alignof(ssv_work_t), "the search may stand where that memory is");
+_Static_assert(sizeof(ssv_memory_t) <= sizeof(ssv_work_t), "the search fits the memory to work in");
+_Static_assert(_Alignof(ssv_memory_t) <= _Alignof(ssv_work_t), "the search may stand where that memory is");
 
-// An empty quote with the candidates that there are.
-static void begin(const ssv_question_t* question, ssv_quote_t* quote, ssv_chain_t* best) {
+// More effort starts with what less effort does, and the paper's paths follow where these could still be cheaper:
+// neither ever costs more.
+static void search_optimal(const ssv_question_t* question, ssv_work_t* work, ssv_quote_t* quote, ssv_path_t* best) {
+    const ssv_scenario_t* scenario = &question->problem->scenario;
+    ssv_memory_t* memory = (ssv_memory_t*)work;
+    const ssv_search_t search = {question, memory, best, &quote->num_priced};
+    ssv_capability_init(question, &memory->capability);
+    search_candidates(&search, SSV_EFFORT_QUICK, quote);
+    if (scenario->attach_anywhere) search_along_beam(&search);
+    if (scenario->effort == SSV_EFFORT_BEST) search_closely(&search, quote);
+}
+
+bool ssv_choose(const ssv_question_t* question, ssv_work_t* work, ssv_quote_t* quote, ssv_path_t* best) {
+    SSV_ASSERT(question->method == SSV_METHOD_PAPER || work != NULL);
     memset(quote, 0, sizeof *quote);
     quote->status = SSV_INFEASIBLE;
     quote->scenario_hash = question->problem->scenario_hash;
     best->price.outcome = SSV_TOO_LONG;
-    list_candidates(&question->problem->scenario, quote);
-}
-
-bool ssv_choose(const ssv_question_t* question, ssv_work_t* work, ssv_quote_t* quote, ssv_chain_t* best) {
-    const ssv_scenario_t* scenario = &question->problem->scenario;
-    begin(question, quote, best);
-    if (question->method == SSV_METHOD_OPTIMAL) {
-        // More effort starts with what less effort does, and the paper's chains follow where these could still be
-        // cheaper: neither ever costs more.
-        ssv_search_t* search = (ssv_search_t*)work;
-        search_optimal(question, search, SSV_EFFORT_QUICK, quote, best);
-        if (scenario->attach_anywhere) search_along_beam(question, search, quote, best);
-        if (scenario->effort == SSV_EFFORT_BEST) search_closely(question, search, quote, best);
-    }
+    enter_candidates(&question->problem->scenario, quote);
+    if (question->method == SSV_METHOD_OPTIMAL) search_optimal(question, work, quote, best);
     search_paper(question, quote, best);
     return best->price.outcome == SSV_FEASIBLE;
 }
 
-bool ssv_choose_another(const ssv_question_t* question, ssv_outcome_t outcome, ssv_quote_t* quote, ssv_chain_t* chain) {
+bool ssv_choose_next(const ssv_question_t* question, ssv_outcome_t outcome, ssv_quote_t* quote, ssv_path_t* path) {
+    SSV_ASSERT(question->method == SSV_METHOD_PAPER && outcome != SSV_FEASIBLE);
     int k = cheapest(quote);
     if (k >= 0) quote->candidate[k].outcome = outcome;
     k = cheapest(quote);
     if (k < 0) return false;
     const ssv_candidate_t* candidate = &quote->candidate[k];
-    ssv_flight_t to_beam = {.num_moves = 0};
-    (void)ssv_search_paper(question, candidate->contact, candidate->attach_height_m, NULL, &to_beam, chain,
-                           &quote->num_priced);
+    const ssv_price_t nothing = {.outcome = SSV_TOO_LONG};
+    ssv_paper_search_t search;
+    ssv_paper_search_begin(&search, question, &nothing);
+    (void)ssv_paper_search(&search, candidate->contact, candidate->attach_height_m, path);
+    quote->num_priced += search.num_priced;
     return true;
 }
 
-void ssv_quote_settle(const ssv_question_t* question, const ssv_chain_t* chain, ssv_quote_t* quote) {
-    quote->choice = ssv_candidate_of(&chain->grasp, &chain->price);
+void ssv_quote_finish_price(const ssv_question_t* question, const ssv_path_t* path, ssv_quote_t* quote) {
+    quote->choice = ssv_candidate_of(&path->grasp, &path->price);
     quote->status = SSV_OK;
     quote->cost = quote->choice.cost;
     quote->time_s = quote->choice.time_s;
@@ -190,7 +205,7 @@ void ssv_quote_settle(const ssv_question_t* question, const ssv_chain_t* chain, 
     for (int k = 0; k < quote->num_candidates; k++) {
         ssv_candidate_t* candidate = &quote->candidate[k];
         const bool chosen =
-            candidate->contact == chain->grasp.contact && candidate->attach_height_m == chain->grasp.height_m;
+            candidate->contact == path->grasp.contact && candidate->attach_height_m == path->grasp.height_m;
         if (chosen) *candidate = quote->choice;
     }
     if (question->list_candidates) return;
@@ -198,7 +213,7 @@ void ssv_quote_settle(const ssv_question_t* question, const ssv_chain_t* chain, 
     memset(quote->candidate, 0, sizeof quote->candidate);
 }
 
-ssv_status_t ssv_quote_conclude(const ssv_question_t* question, uint32_t overflows, ssv_quote_t* quote) {
+ssv_status_t ssv_quote_finish_status(const ssv_question_t* question, uint32_t overflows, ssv_quote_t* quote) {
     if (real_overflows() == overflows && real_is_finite(quote->cost)) {
         // What motions that did not fit a plan added up is no price.
         if (quote->status != SSV_OK) quote->cost = quote->time_s = quote->impulse_Ns = REAL(0);
@@ -210,77 +225,14 @@ ssv_status_t ssv_quote_conclude(const ssv_question_t* question, uint32_t overflo
     return quote->status;
 }
 
-static ssv_status_t quote_of(const ssv_question_t* question, ssv_work_t* work, ssv_quote_t* quote) {
+ssv_status_t ssv_quote_of(const ssv_question_t* question, ssv_work_t* work, ssv_quote_t* quote) {
     const uint32_t overflows = real_overflows();
-    ssv_chain_t chain;
-    if (ssv_choose(question, work, quote, &chain)) ssv_quote_settle(question, &chain, quote);
-    return ssv_quote_conclude(question, overflows, quote);
+    ssv_path_t path;
+    if (ssv_choose(question, work, quote, &path)) ssv_quote_finish_price(question, &path, quote);
+    return ssv_quote_finish_status(question, overflows, quote);
 }
 
 ssv_status_t ssv_quote(const ssv_problem_t* problem, ssv_work_t* work, ssv_quote_t* quote) {
     const ssv_question_t question = ssv_question_of(problem);
-    return quote_of(&question, work, quote);
-}
-
-// ---- Front
-// --------------------------------------------------------------------------------------------------------------
-
-// Weights in units in which one thruster at its limit costs as much per second as the rung says, time one.
-#define NUM_RUNGS 9
-static const real_t rungs[NUM_RUNGS][2] = {{REAL(1), REAL(0)},   {REAL(1), REAL(0.02)}, {REAL(1), REAL(0.1)},
-                                           {REAL(1), REAL(0.5)}, {REAL(1), REAL(2)},    {REAL(1), REAL(10)},
-                                           {REAL(1), REAL(100)}, {REAL(0), REAL(1)},    {REAL(0), REAL(0)}};
-
-// Adds the point if none is at least as good in both, and drops those that it makes needless. Room is kept for spare
-// more.
-static void front_add(ssv_front_t* front, const ssv_candidate_t* point, int spare) {
-    int kept = 0;
-    for (int k = 0; k < front->num_points; k++) {
-        const ssv_candidate_t* old = &front->point[k];
-        if (old->time_s <= point->time_s && old->impulse_Ns <= point->impulse_Ns) return;
-    }
-    for (int k = 0; k < front->num_points; k++) {
-        const ssv_candidate_t old = front->point[k];
-        if (old.time_s < point->time_s || old.impulse_Ns < point->impulse_Ns) front->point[kept++] = old;
-    }
-    front->num_points = kept;
-    if (kept + spare >= SSV_MAX_FRONT) return;
-    int k = front->num_points++;
-    for (; k > 0 && front->point[k - 1].time_s > point->time_s; k--) front->point[k] = front->point[k - 1];
-    front->point[k] = *point;
-}
-
-ssv_status_t ssv_front(const ssv_problem_t* problem, ssv_work_t* work, ssv_front_t* front) {
-    const ssv_question_t own = ssv_question_of(problem);
-    const uint32_t overflows = real_overflows();
-    ssv_quote_t quote;
-    memset(front, 0, sizeof *front);
-    front->status = SSV_INFEASIBLE;
-    front->scenario_hash = problem->scenario_hash;
-    for (int n = 0; n < NUM_RUNGS; n++) {
-        // The last rung is the scenario itself, as it was asked, so that its own price is among the points.
-        ssv_question_t question = own;
-        if (n < NUM_RUNGS - 1) {
-            question.list_candidates = true;
-            question.weight_time_per_s = rungs[n][0];
-            question.weight_impulse_per_Ns = real_div(rungs[n][1], problem->scenario.vehicle.force_max_N);
-        }
-        if (quote_of(&question, work, &quote) != SSV_OK) continue;
-        front->status = SSV_OK;
-        front_add(front, &quote.choice, NUM_RUNGS - 1 - n);
-        for (int k = 0; k < quote.num_candidates; k++) {
-            if (quote.candidate[k].outcome == SSV_FEASIBLE) front_add(front, &quote.candidate[k], NUM_RUNGS - 1 - n);
-        }
-    }
-    for (int k = 0; k < front->num_points; k++) {
-        ssv_candidate_t* point = &front->point[k];
-        point->cost =
-            real_mul(own.weight_time_per_s, point->time_s) + real_mul(own.weight_impulse_per_Ns, point->impulse_Ns);
-    }
-    if (real_overflows() != overflows) {
-        memset(front, 0, sizeof *front);
-        front->status = SSV_NUMERIC_OVERFLOW;
-        front->scenario_hash = problem->scenario_hash;
-    }
-    return front->status;
+    return ssv_quote_of(&question, work, quote);
 }

@@ -1,6 +1,6 @@
 // Moves: the pose along a twist, and the choice between the two ramps.
 #include "planner/motion/maneuver.h"
-#include "tasks.h"
+#include "sample.h"
 #include "unity.h"
 
 void setUp(void) {}
@@ -12,11 +12,11 @@ static double pose_distance(pose_t a, pose_t b) {
 }
 
 static void test_pose_along_any_twist_solves_the_kinematic_equations(void) {
-    task_seed(21);
+    sample_seed(21);
     for (int trial = 0; trial < 50; trial++) {
-        const ssv_twist_t twist = {task_vector(2), task_direction()};
-        const pose_t start = {task_vector(5), task_attitude()};
-        const double s = task_between(0, 6);
+        const ssv_twist_t twist = {sample_vector(2), sample_direction()};
+        const pose_t start = {sample_vector(5), sample_attitude()};
+        const double s = sample_between(0, 6);
         // Many small steps, each a straight shift by the middle attitude and a small turn.
         pose_t X = start;
         const int steps = 20000;
@@ -26,19 +26,19 @@ static void test_pose_along_any_twist_solves_the_kinematic_equations(void) {
             X.p = vec3_add(X.p, quat_apply(middle, vec3_scale(s / steps, twist.v)));
             X.q = quat_unit(quat_mul(middle, half));
         }
-        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0,
-                                  pose_distance(X, ssv_move_pose(start, twist, s))); // steps^-2 of the midpoint rule
+        TEST_ASSERT_DOUBLE_WITHIN(
+            1e-6, 0, pose_distance(X, ssv_maneuver_pose(start, twist, s))); // steps^-2 of the midpoint rule
     }
 }
 
 static void test_turn_leaves_its_pivot_where_it_is(void) {
-    task_seed(22);
+    sample_seed(22);
     for (int trial = 0; trial < 50; trial++) {
-        const vec3_t pivot = task_vector(3);
-        const ssv_move_t turn = ssv_move_turn(SSV_TRANSFER, task_direction(), task_between(0, 3), pivot);
-        const pose_t start = {task_vector(5), task_attitude()};
+        const vec3_t pivot = sample_vector(3);
+        const ssv_maneuver_t turn = ssv_maneuver_turn(SSV_TRANSFER, sample_direction(), sample_between(0, 3), pivot);
+        const pose_t start = {sample_vector(5), sample_attitude()};
         const pose_t pivot_S = {pivot, quat_identity()};
-        const pose_t end = ssv_move_pose(start, turn.twist, turn.length);
+        const pose_t end = ssv_maneuver_pose(start, turn.twist, turn.length);
         const vec3_t moved = vec3_sub(pose_mul(end, pivot_S).p, pose_mul(start, pivot_S).p);
         TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, vec3_norm(moved));
     }
@@ -46,17 +46,17 @@ static void test_turn_leaves_its_pivot_where_it_is(void) {
 
 static void test_translation_keeps_the_attitude_and_covers_its_displacement(void) {
     const pose_t start = {{1, 2, 3}, {0.5, 0.5, 0.5, 0.5}};
-    const ssv_move_t move = ssv_move_translate(SSV_TRANSIT, vec3(3, 0, 4));
-    const pose_t end = ssv_move_pose(start, move.twist, move.length);
+    const ssv_maneuver_t maneuver = ssv_maneuver_translate(SSV_TRANSIT, vec3(3, 0, 4));
+    const pose_t end = ssv_maneuver_pose(start, maneuver.twist, maneuver.length);
     const pose_t expected = {vec3_add(start.p, quat_apply(start.q, vec3(3, 0, 4))), start.q};
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 5, move.length);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 5, maneuver.length);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, pose_distance(expected, end));
 }
 
 static ssv_ramp_t ramp_for(double weight_time, double weight_impulse, ssv_price_t* price) {
     static ssv_problem_t problem;
     static ssv_profile_t profile;
-    ssv_scenario_t s = task_case_study(false);
+    ssv_scenario_t s = scenario_case_study(false);
     ssv_fault_t fault;
     ssv_ramp_t ramp;
     ssv_thrusts_t thrusts;
@@ -65,9 +65,9 @@ static ssv_ramp_t ramp_for(double weight_time, double weight_impulse, ssv_price_
     TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
     const ssv_question_t question = ssv_question_of(&problem);
     const ssv_assembly_t alone = {&problem.scenario.vehicle, NULL, {{0, 0, 0}, {1, 0, 0, 0}}};
-    const ssv_move_t turn = ssv_move_turn(SSV_TRANSIT, vec3(0, 0, 1), 1.5, vec3(0, 0, 0));
-    ssv_move_thrusts(&problem, &alone, turn.twist, &thrusts);
-    *price = ssv_move_solve(&question, &turn, &thrusts, &profile, &ramp);
+    const ssv_maneuver_t turn = ssv_maneuver_turn(SSV_TRANSIT, vec3(0, 0, 1), 1.5, vec3(0, 0, 0));
+    ssv_maneuver_thrusts(&problem, &alone, turn.twist, &thrusts);
+    *price = ssv_maneuver_solve(&question, &turn, &thrusts, &profile, &ramp);
     TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, price->outcome);
     return ramp;
 }
@@ -84,14 +84,14 @@ static void test_weights_decide_the_ramp(void) {
 static void test_move_of_no_length_costs_nothing(void) {
     static ssv_profile_t profile;
     static ssv_problem_t problem;
-    const ssv_scenario_t s = task_case_study(false);
+    const ssv_scenario_t s = scenario_case_study(false);
     ssv_fault_t fault;
     ssv_ramp_t ramp;
     const ssv_thrusts_t thrusts = {{1}, {0}, {0}, 6};
     TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
     const ssv_question_t question = ssv_question_of(&problem);
-    const ssv_move_t nowhere = ssv_move_translate(SSV_TRANSIT, vec3(1e-10, 0, 0));
-    const ssv_price_t price = ssv_move_solve(&question, &nowhere, &thrusts, &profile, &ramp);
+    const ssv_maneuver_t nowhere = ssv_maneuver_translate(SSV_TRANSIT, vec3(1e-10, 0, 0));
+    const ssv_price_t price = ssv_maneuver_solve(&question, &nowhere, &thrusts, &profile, &ramp);
     TEST_ASSERT_EQUAL_INT(SSV_FEASIBLE, price.outcome);
     TEST_ASSERT_EQUAL_DOUBLE(0, nowhere.length);
     TEST_ASSERT_EQUAL_DOUBLE(0, price.time_s + price.impulse_Ns + price.cost);

@@ -1,10 +1,10 @@
-#include "tasks.h"
+#include "sample.h"
 
 #include <math.h>
 
 static uint64_t random_state;
 
-void task_seed(uint64_t seed) { random_state = seed; }
+void sample_seed(uint64_t seed) { random_state = seed; }
 
 // splitmix64
 static uint64_t next(void) {
@@ -14,19 +14,19 @@ static uint64_t next(void) {
     return z ^ (z >> 31);
 }
 
-double task_between(double low, double high) { return low + (high - low) * ((double)(next() >> 11) * 0x1p-53); }
+double sample_between(double low, double high) { return low + (high - low) * ((double)(next() >> 11) * 0x1p-53); }
 
-int task_below(int n) { return (int)(next() % (uint64_t)n); }
+int sample_below(int n) { return (int)(next() % (uint64_t)n); }
 
-vec3_t task_vector(double size) {
-    const double x = task_between(-size, size), y = task_between(-size, size), z = task_between(-size, size);
+vec3_t sample_vector(double size) {
+    const double x = sample_between(-size, size), y = sample_between(-size, size), z = sample_between(-size, size);
     const vec3_t v = {real_from_double(x), real_from_double(y), real_from_double(z)};
     return v;
 }
 
-vec3_t task_direction(void) {
+vec3_t sample_direction(void) {
     for (;;) {
-        const double x = task_between(-1, 1), y = task_between(-1, 1), z = task_between(-1, 1);
+        const double x = sample_between(-1, 1), y = sample_between(-1, 1), z = sample_between(-1, 1);
         const double n = sqrt(x * x + y * y + z * z);
         if (n > 0.1 && n <= 1) {
             const vec3_t v = {real_from_double(x / n), real_from_double(y / n), real_from_double(z / n)};
@@ -35,9 +35,10 @@ vec3_t task_direction(void) {
     }
 }
 
-quat_t task_attitude(void) {
+quat_t sample_attitude(void) {
     for (;;) {
-        const double w = task_between(-1, 1), x = task_between(-1, 1), y = task_between(-1, 1), z = task_between(-1, 1);
+        const double w = sample_between(-1, 1), x = sample_between(-1, 1), y = sample_between(-1, 1),
+                     z = sample_between(-1, 1);
         const double n = sqrt(w * w + x * x + y * y + z * z);
         if (n > 0.1 && n <= 1) {
             const quat_t q = {real_from_double(w / n), real_from_double(x / n), real_from_double(y / n),
@@ -57,7 +58,7 @@ static void fill_thrusters(ssv_vehicle_t* vehicle, double jitter_m) {
                           real_from_double(0.3025 * position[i][2])};
         const vec3_t n = {real_from_double(direction[i][0]), real_from_double(direction[i][1]),
                           real_from_double(direction[i][2])};
-        vehicle->thruster[i].p_ST_m = vec3_add(p, task_vector(jitter_m));
+        vehicle->thruster[i].p_ST_m = vec3_add(p, sample_vector(jitter_m));
         vehicle->thruster[i].n_T_S = n;
     }
 }
@@ -66,7 +67,7 @@ static vec3_t vec3_of(double x, double y, double z) {
     return vec3(real_from_double(x), real_from_double(y), real_from_double(z));
 }
 
-ssv_vehicle_t task_vehicle(void) {
+ssv_vehicle_t model_vehicle(void) {
     ssv_vehicle_t vehicle;
     memset(&vehicle, 0, sizeof vehicle);
     vehicle.body.mass_kg = real_from_double(76.2);
@@ -79,7 +80,7 @@ ssv_vehicle_t task_vehicle(void) {
     return vehicle;
 }
 
-ssv_beam_t task_beam(bool ease) {
+ssv_beam_t model_beam(bool ease) {
     const double mass = 11.3636, outer = 0.0606, inner = outer - 0.0063, length = 3.048;
     const double transverse = mass * (3 * (outer * outer + inner * inner) + length * length) / 12;
     const double axial = mass * (outer * outer + inner * inner) / 2;
@@ -93,10 +94,10 @@ ssv_beam_t task_beam(bool ease) {
     return beam;
 }
 
-ssv_scenario_t task_case_study(bool ease) {
+ssv_scenario_t scenario_case_study(bool ease) {
     ssv_scenario_t s = ssv_scenario_default();
-    s.vehicle = task_vehicle();
-    s.beam = task_beam(ease);
+    s.vehicle = model_vehicle();
+    s.beam = model_beam(ease);
     s.X_IS.q = (quat_t){REAL(0), REAL(0), REAL(0), REAL(1)};
     s.X_IB.p = vec3_of(5, 0, 0);
     s.X_IB.q = (quat_t){real_from_double(sqrt(0.5)), REAL(0), real_from_double(sqrt(0.5)), REAL(0)};
@@ -110,45 +111,45 @@ ssv_scenario_t task_case_study(bool ease) {
 }
 
 static void vary_bodies(ssv_scenario_t* s) {
-    const double vary = task_between(0.8, 1.25);
+    const double vary = sample_between(0.8, 1.25);
     ssv_body_t* vehicle = &s->vehicle.body;
     vehicle->mass_kg = real_from_double(76.2 * vary);
     vehicle->inertia_kg_m2 = vec3_of(2.7, 2.7 * vary, 2.7);
-    vehicle->added_mass_kg = vec3_add(task_vector(30), vec3_of(30, 30, 30));
+    vehicle->added_mass_kg = vec3_add(sample_vector(30), vec3_of(30, 30, 30));
     vehicle->drag_lin_kg_s = real_from_double(413.685 * vary);
-    vehicle->drag_quad_kg_m = real_from_double(task_between(0, 300));
-    vehicle->drag_lin_ang_Nm_s = real_from_double(task_between(0, 1));
+    vehicle->drag_quad_kg_m = real_from_double(sample_between(0, 300));
+    vehicle->drag_lin_ang_Nm_s = real_from_double(sample_between(0, 1));
     fill_thrusters(&s->vehicle, 0.03);
     s->beam.body.mass_kg = real_from_double(11.3636 * vary);
-    s->beam.body.added_mass_kg = vec3_add(task_vector(5), vec3_of(5, 5, 5));
+    s->beam.body.added_mass_kg = vec3_add(sample_vector(5), vec3_of(5, 5, 5));
 }
 
-ssv_scenario_t task_random(void) {
+ssv_scenario_t sample_scenario(void) {
     static const double weights[][2] = {{1, 0}, {0, 1}, {1, 1}, {1, 0.1}, {0.01, 1}};
-    ssv_scenario_t s = task_case_study(task_below(2) == 1);
-    if (task_below(2) == 1) vary_bodies(&s);
-    s.X_IS.p = task_vector(8);
-    s.X_IS.q = task_attitude();
-    s.X_IB.p = task_vector(8);
-    s.X_IB.q = task_attitude();
-    s.p_IP_m = task_vector(8);
-    s.axis_I = task_direction();
-    s.contact = task_below(3);
-    s.standoff_m = real_from_double(task_below(2) == 1 ? 0.3025 : 0.3631);
-    const double* const weight = weights[task_below(5)];
+    ssv_scenario_t s = scenario_case_study(sample_below(2) == 1);
+    if (sample_below(2) == 1) vary_bodies(&s);
+    s.X_IS.p = sample_vector(8);
+    s.X_IS.q = sample_attitude();
+    s.X_IB.p = sample_vector(8);
+    s.X_IB.q = sample_attitude();
+    s.p_IP_m = sample_vector(8);
+    s.axis_I = sample_direction();
+    s.contact = sample_below(3);
+    s.standoff_m = real_from_double(sample_below(2) == 1 ? 0.3025 : 0.3631);
+    const double* const weight = weights[sample_below(5)];
     s.weight_time_per_s = real_from_double(weight[0]);
     s.weight_impulse_per_Ns = real_from_double(weight[1]);
-    s.num_attach_heights = task_below(4);
+    s.num_attach_heights = sample_below(4);
     for (int i = 0; i < s.num_attach_heights; i++) {
-        s.attach_heights_m[i] = real_from_double(task_between(-1.5, 1.5));
+        s.attach_heights_m[i] = real_from_double(sample_between(-1.5, 1.5));
     }
-    s.ring_angle_given = task_below(2) == 1;
-    s.ring_angle_rad = real_from_double(s.ring_angle_given ? task_between(-6, 6) : 0);
+    s.ring_angle_given = sample_below(2) == 1;
+    s.ring_angle_rad = real_from_double(s.ring_angle_given ? sample_between(-6, 6) : 0);
     return s;
 }
 
-ssv_scenario_t task_moved(const ssv_scenario_t* task, pose_t X) {
-    ssv_scenario_t s = *task;
+ssv_scenario_t scenario_moved(const ssv_scenario_t* scenario, pose_t X) {
+    ssv_scenario_t s = *scenario;
     s.X_IS = pose_mul(X, s.X_IS);
     s.X_IB = pose_mul(X, s.X_IB);
     s.p_IP_m = vec3_add(X.p, quat_apply(X.q, s.p_IP_m));
@@ -156,31 +157,32 @@ ssv_scenario_t task_moved(const ssv_scenario_t* task, pose_t X) {
     return s;
 }
 
-static vec3_t reflect(vec3_t v, task_axis_t axis) {
-    return vec3(axis == TASK_X ? -v.x : v.x, axis == TASK_Y ? -v.y : v.y, axis == TASK_Z ? -v.z : v.z);
+static vec3_t reflect(vec3_t v, mirror_axis_t axis) {
+    return vec3(axis == MIRROR_X ? -v.x : v.x, axis == MIRROR_Y ? -v.y : v.y, axis == MIRROR_Z ? -v.z : v.z);
 }
 
 // With M the reflection of I in y and D that of the body in its axis, M R D = (M R M)(M D): in the first factor the
 // axis of rotation is reflected and the sense reversed, the second is a half turn or nothing.
-static pose_t reflect_pose(pose_t X, task_axis_t body_axis) {
+static pose_t reflect_pose(pose_t X, mirror_axis_t body_axis) {
     const quat_t q = {X.q.w, -X.q.x, X.q.y, -X.q.z};
-    const quat_t half_turn = {REAL(body_axis == TASK_Y), REAL(body_axis == TASK_Z), REAL(0), REAL(body_axis == TASK_X)};
-    return (pose_t){reflect(X.p, TASK_Y), quat_mul(q, half_turn)};
+    const quat_t half_turn = {REAL(body_axis == MIRROR_Y), REAL(body_axis == MIRROR_Z), REAL(0),
+                              REAL(body_axis == MIRROR_X)};
+    return (pose_t){reflect(X.p, MIRROR_Y), quat_mul(q, half_turn)};
 }
 
-ssv_scenario_t task_mirrored(const ssv_scenario_t* task, task_axis_t vehicle_axis, task_axis_t beam_axis) {
-    ssv_scenario_t s = *task;
+ssv_scenario_t scenario_mirrored(const ssv_scenario_t* scenario, mirror_axis_t vehicle_axis, mirror_axis_t beam_axis) {
+    ssv_scenario_t s = *scenario;
     s.X_IS = reflect_pose(s.X_IS, vehicle_axis);
     s.X_IB = reflect_pose(s.X_IB, beam_axis);
-    s.p_IP_m = reflect(s.p_IP_m, TASK_Y);
-    s.axis_I = reflect(s.axis_I, TASK_Y);
+    s.p_IP_m = reflect(s.p_IP_m, MIRROR_Y);
+    s.axis_I = reflect(s.axis_I, MIRROR_Y);
     for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
         s.vehicle.thruster[i].p_ST_m = reflect(s.vehicle.thruster[i].p_ST_m, vehicle_axis);
         s.vehicle.thruster[i].n_T_S = reflect(s.vehicle.thruster[i].n_T_S, vehicle_axis);
     }
     const vec3_t side = reflect(vec3(real_cos(s.ring_angle_rad), real_sin(s.ring_angle_rad), REAL(0)), beam_axis);
     s.ring_angle_rad = s.ring_angle_given ? real_atan2(side.y, side.x) : REAL(0);
-    if (beam_axis == TASK_Z) {
+    if (beam_axis == MIRROR_Z) {
         s.contact = s.contact == 0 ? 0 : 3 - s.contact;
         for (int i = 0; i < s.num_attach_heights; i++) s.attach_heights_m[i] = -s.attach_heights_m[i];
     }

@@ -1,0 +1,101 @@
+#include "scenario_fields.h"
+
+#include <math.h>
+
+#define FIELD(member, count, min, max) {#member, offsetof(lcm_ssv_scenario_t, member), count, min, max}
+#define BODY(body)                                                                                                     \
+    FIELD(body.mass_kg, 1, 0.01, 10000), FIELD(body.inertia_kg_m2, 3, 1e-4, 100000),                                   \
+        FIELD(body.added_mass_kg, 3, 0, 10000), FIELD(body.drag_lin_kg_s, 1, 0, 100000),                               \
+        FIELD(body.drag_quad_kg_m, 1, 0, 100000), FIELD(body.drag_lin_ang_Nm_s, 1, 0, 100000),                         \
+        FIELD(body.drag_quad_ang_Nm_s2, 1, 0, 100000)
+
+// The ranges as the planner checks them. Were one of them wider than the planner's, the share of legal inputs that the
+// fuzzer prints would fall; what lies beyond the ranges comes from libFuzzer's own mutations.
+const scenario_field_t scenario_fields[] = {
+    BODY(vehicle.body),
+    FIELD(vehicle.radius_m, 1, 0.001, 10),
+    FIELD(vehicle.force_max_N, 1, 0.001, 10000),
+    BODY(beam.body),
+    FIELD(beam.radius_m, 1, 0.001, 10),
+    FIELD(beam.length_m, 1, 0.01, 100),
+    FIELD(beam.drag_strip_kg_m2, 1, 0, 100000),
+    FIELD(X_IS.p_m, 3, -1000, 1000),
+    FIELD(X_IS.q, 4, -1, 1),
+    FIELD(X_IB.p_m, 3, -1000, 1000),
+    FIELD(X_IB.q, 4, -1, 1),
+    FIELD(port.p_IP_m, 3, -1000, 1000),
+    FIELD(port.axis_I, 3, -1, 1),
+    FIELD(standoff_m, 1, 0.001, 20),
+    FIELD(weight_time_per_s, 1, 0, 1000),
+    FIELD(weight_impulse_per_Ns, 1, 0, 1000),
+    FIELD(options.attach_heights_m, 8, -50, 50),
+    FIELD(options.ring_angle_rad, 1, -6.28, 6.28),
+};
+const int num_scenario_fields = (int)(sizeof scenario_fields / sizeof scenario_fields[0]);
+
+double* scenario_field_of(lcm_ssv_scenario_t* scenario, const scenario_field_t* field) {
+    return (double*)(void*)((char*)scenario + field->offset);
+}
+
+static double clamped(double x, double min, double max) { return !(x >= min) ? min : x > max ? max : x; }
+
+static void to_unit_length(double* v, int count) {
+    double square = 0;
+    for (int i = 0; i < count; i++) {
+        v[i] = clamped(v[i], -1, 1);
+        square += v[i] * v[i];
+    }
+    if (square < 1e-6) {
+        for (int i = 0; i < count; i++) {
+            v[i] = i == 0;
+        }
+    } else if (fabs(sqrt(square) - 1) > 5e-4) {
+        for (int i = 0; i < count; i++) {
+            v[i] /= sqrt(square);
+        }
+    }
+}
+
+void scenario_repair(lcm_ssv_scenario_t* scenario) {
+    for (int k = 0; k < num_scenario_fields; k++) {
+        double* number = scenario_field_of(scenario, &scenario_fields[k]);
+        for (int i = 0; i < scenario_fields[k].count; i++) {
+            number[i] = clamped(number[i], scenario_fields[k].min, scenario_fields[k].max);
+        }
+    }
+    for (int i = 0; i < 6; i++) {
+        lcm_ssv_thruster_t* thruster = &scenario->vehicle.thruster[i];
+        to_unit_length(thruster->n_T_S, 3);
+        for (int k = 0; k < 3; k++) {
+            thruster->p_ST_m[k] = clamped(thruster->p_ST_m[k], -10, 10);
+        }
+    }
+    to_unit_length(scenario->X_IS.q, 4);
+    to_unit_length(scenario->X_IB.q, 4);
+    to_unit_length(scenario->port.axis_I, 3);
+    if (scenario->weight_time_per_s < 0x1p-32 && scenario->weight_impulse_per_Ns < 0x1p-32) {
+        scenario->weight_impulse_per_Ns = 0x1p-32; // the smallest number of the fixed scalar, where less is zero
+    }
+    scenario->epoch_us = scenario->epoch_us < 0 ? 0 : scenario->epoch_us;
+    scenario->contact = (int8_t)clamped(scenario->contact, 0, 2);
+
+    lcm_ssv_options_t* options = &scenario->options;
+    options->method =
+        (int8_t)clamped(options->method, LCM_SSV_OPTIONS_T_METHOD_OPTIMAL, LCM_SSV_OPTIONS_T_METHOD_PAPER);
+    options->effort = (int8_t)clamped(options->effort, LCM_SSV_OPTIONS_T_EFFORT_QUICK, LCM_SSV_OPTIONS_T_EFFORT_BEST);
+    options->num_attach_heights = (int8_t)clamped(options->num_attach_heights, 0, 8);
+    // Half a length, one unit of the fixed scalar inwards: there the two round each for itself.
+    const double half_m = scenario->beam.length_m / 2, inner_m = half_m - 0x1p-32;
+    for (int i = 0; i < 8; i++) {
+        if (fabs(options->attach_heights_m[i]) != half_m) {
+            options->attach_heights_m[i] = clamped(options->attach_heights_m[i], -inner_m, inner_m);
+        }
+    }
+    if (options->effort == LCM_SSV_OPTIONS_T_EFFORT_BEST) {
+        options->attach_anywhere = 0;
+        options->num_attach_heights = (int8_t)clamped(options->num_attach_heights, 0, 2);
+    }
+    if (options->effort == LCM_SSV_OPTIONS_T_EFFORT_BEST || options->attach_anywhere) {
+        options->want_front = 0;
+    }
+}
