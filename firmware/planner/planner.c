@@ -137,33 +137,80 @@ SSV_OWN_FRAME static ssv_outcome_t write_plan(const ssv_question_t* question, co
     return outcome;
 }
 
-// The paper's method, candidate by candidate, until one fits the plan's memory. @return whether one does; then *path
-// is it.
-SSV_OWN_FRAME static bool plan_by_paper(const ssv_question_t* question, ssv_path_t* path, ssv_plan_t* plan) {
-    ssv_question_t by_paper = *question;
-    by_paper.method = SSV_METHOD_PAPER;
-    bool found = ssv_choose(&by_paper, NULL, &plan->quote, path);
-    for (int n = 0; n < SSV_MAX_CANDIDATES && found; n++) {
-        const ssv_outcome_t outcome = write_plan(&by_paper, path, plan);
-        if (outcome == SSV_FEASIBLE) break;
-        found = ssv_choose_next(&by_paper, outcome, &plan->quote, path);
-    }
-    return found;
-}
+// A plan under way.
+typedef struct {
+    enum { CHOOSES, WRITES, CHOOSES_BY_PAPER, WRITES_BY_PAPER, IS_WRITTEN } stage;
+    ssv_question_t own; // the scenario's
+    ssv_choice_t choice;
+} planning_t;
 
-ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_work_t* work, ssv_plan_t* plan) {
-    const ssv_question_t question = ssv_question_of(problem);
+_Static_assert(sizeof(planning_t) <= sizeof(ssv_work_t), "a plan under way fits the memory to work in");
+_Static_assert(_Alignof(planning_t) <= _Alignof(ssv_work_t), "and may stand there");
+
+// Ends the answer, with the path of the choice or without any.
+static void finish(planning_t* planning, bool found, ssv_plan_t* plan) {
     const uint32_t overflows = real_overflows();
-    ssv_path_t path;
-    memset(plan, 0, sizeof *plan);
-    bool found = ssv_choose(&question, work, &plan->quote, &path);
-    // What is chosen may fail to fit the plan's memory.
-    if (found && write_plan(&question, &path, plan) != SSV_FEASIBLE) found = plan_by_paper(&question, &path, plan);
-    if (found) ssv_quote_finish_price(&question, &path, &plan->quote);
-    if (ssv_quote_finish_status(&question, overflows, &plan->quote) == SSV_OK) {
+    const ssv_choice_t* choice = &planning->choice;
+    planning->stage = IS_WRITTEN;
+    if (found) ssv_quote_finish_price(&planning->own, &choice->best, &plan->quote);
+    const bool overflowed = choice->overflowed || real_overflows() != overflows;
+    if (ssv_quote_finish_status(&planning->own, overflowed, &plan->quote) == SSV_OK) {
         plan->plan_hash = ssv_plan_hash(plan);
     } else {
         memset((char*)plan + sizeof plan->quote, 0, sizeof *plan - sizeof plan->quote);
     }
+}
+
+// What is chosen may fail to fit the plan's memory. Then the paper's method is next, candidate by candidate, until one
+// fits.
+static void write(planning_t* planning, ssv_plan_t* plan) {
+    ssv_choice_t* choice = &planning->choice;
+    const uint32_t overflows = real_overflows();
+    const ssv_outcome_t outcome = write_plan(&choice->question, &choice->best, plan);
+    if (real_overflows() != overflows) choice->overflowed = true;
+    if (outcome == SSV_FEASIBLE) {
+        finish(planning, true, plan);
+    } else if (planning->stage == WRITES) {
+        const bool overflowed = choice->overflowed;
+        ssv_question_t by_paper = planning->own;
+        by_paper.method = SSV_METHOD_PAPER;
+        ssv_choice_begin(&by_paper, choice, &plan->quote);
+        choice->overflowed = choice->overflowed || overflowed;
+        planning->stage = CHOOSES_BY_PAPER;
+    } else if (!ssv_choice_next(choice, outcome, &plan->quote)) {
+        finish(planning, false, plan);
+    }
+}
+
+void ssv_plan_begin(const ssv_problem_t* problem, ssv_work_t* work, ssv_plan_t* plan) {
+    planning_t* planning = (planning_t*)work;
+    memset(plan, 0, sizeof *plan);
+    planning->own = ssv_question_of(problem);
+    planning->stage = CHOOSES;
+    ssv_choice_begin(&planning->own, &planning->choice, &plan->quote);
+}
+
+bool ssv_plan_step(ssv_work_t* work, ssv_plan_t* plan) {
+    planning_t* planning = (planning_t*)work;
+    switch (planning->stage) {
+        case CHOOSES:
+        case CHOOSES_BY_PAPER:
+            if (!ssv_choice_step(&planning->choice, &plan->quote)) break;
+            if (planning->choice.best.price.outcome != SSV_FEASIBLE) {
+                finish(planning, false, plan);
+            } else {
+                planning->stage = planning->stage == CHOOSES ? WRITES : WRITES_BY_PAPER;
+            }
+            break;
+        case WRITES:
+        case WRITES_BY_PAPER: write(planning, plan); break;
+        case IS_WRITTEN: break;
+    }
+    return planning->stage == IS_WRITTEN;
+}
+
+ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_work_t* work, ssv_plan_t* plan) {
+    ssv_plan_begin(problem, work, plan);
+    while (!ssv_plan_step(work, plan)) {}
     return plan->quote.status;
 }

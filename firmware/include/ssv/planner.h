@@ -12,7 +12,7 @@
 ///     ssv_problem_t problem;
 ///     ssv_fault_t fault;
 ///     if (ssv_problem_init(&problem, &scenario, &fault) != SSV_OK) { ... fault.field names what is wrong ... }
-///     static ssv_work_t work;                             // 7 kB, needs no initial value
+///     static ssv_work_t work;                             // 8 kB, needs no initial value
 ///     static ssv_plan_t plan;                             // 23 kB
 ///     if (ssv_plan(&problem, &work, &plan) == SSV_OK) { ... plan.quote.cost, plan.segment[0..plan.num_segments) ... }
 ///
@@ -35,8 +35,14 @@
 #define ssv_scenario_hash SSV_NAME(ssv_scenario_hash)
 #define ssv_lower_bound SSV_NAME(ssv_lower_bound)
 #define ssv_quote SSV_NAME(ssv_quote)
+#define ssv_quote_begin SSV_NAME(ssv_quote_begin)
+#define ssv_quote_step SSV_NAME(ssv_quote_step)
 #define ssv_front SSV_NAME(ssv_front)
+#define ssv_front_begin SSV_NAME(ssv_front_begin)
+#define ssv_front_step SSV_NAME(ssv_front_step)
 #define ssv_plan SSV_NAME(ssv_plan)
+#define ssv_plan_begin SSV_NAME(ssv_plan_begin)
+#define ssv_plan_step SSV_NAME(ssv_plan_step)
 #define ssv_plan_hash SSV_NAME(ssv_plan_hash)
 #define ssv_plan_sample SSV_NAME(ssv_plan_sample)
 #define ssv_timeline_of_plan SSV_NAME(ssv_timeline_of_plan)
@@ -74,12 +80,13 @@ typedef struct {
 } ssv_problem_t;
 
 /// Memory that one question is answered in, in numbers.
-#define SSV_WORK_REALS 850
+#define SSV_WORK_REALS 1120
 
 /// That memory: the caller's, one for each question under way. It needs no initial value, and what a question leaves in
 /// it means nothing.
-typedef struct {
+typedef union {
     real_t number[SSV_WORK_REALS];
+    void* pointer; ///< for its alignment alone
 } ssv_work_t;
 
 /// Checks every field of the scenario against its range and caches the inverse of the thruster matrix.
@@ -107,6 +114,18 @@ ssv_status_t ssv_front(const ssv_problem_t* problem, ssv_work_t* work, ssv_front
 
 /// Plans. @return plan->quote.status. Every field of *plan is written.
 ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_work_t* work, ssv_plan_t* plan);
+
+/// Each of the three in slices, for who has other things to do between: begin, then step until it returns true, when
+/// the answer is complete and the same to the last bit. A step looks at one candidate or height, or writes the plan.
+/// The longest takes some 25 ms in fixed point on a desktop core and 3 ms in double (effort best), and there are at
+/// most 90 of them in a quote or plan and 9 times as many in a front. Until then problem, work and answer stay where
+/// they are, and nobody else writes to them.
+void ssv_quote_begin(const ssv_problem_t* problem, ssv_work_t* work, ssv_quote_t* quote);
+bool ssv_quote_step(ssv_work_t* work, ssv_quote_t* quote);
+void ssv_front_begin(const ssv_problem_t* problem, ssv_work_t* work, ssv_front_t* front);
+bool ssv_front_step(ssv_work_t* work, ssv_front_t* front);
+void ssv_plan_begin(const ssv_problem_t* problem, ssv_work_t* work, ssv_plan_t* plan);
+bool ssv_plan_step(ssv_work_t* work, ssv_plan_t* plan);
 
 /// 64-bit hash (FNV-1a over the fields in the order declared, plan_hash left out, arrays up to their counts) of a plan.
 uint64_t ssv_plan_hash(const ssv_plan_t* plan);

@@ -29,38 +29,86 @@ static void front_add(ssv_front_t* front, const ssv_candidate_t* point, int spar
     front->point[k] = *point;
 }
 
-ssv_status_t ssv_front(const ssv_problem_t* problem, ssv_work_t* work, ssv_front_t* front) {
-    const ssv_question_t own = ssv_question_of(problem);
+// A front under way.
+typedef struct {
+    ssv_question_t own; // the scenario's
+    int rung;
+    bool overflowed;
+    ssv_quote_t quote; // of the rung
+    ssv_choice_t choice;
+} climb_t;
+
+_Static_assert(sizeof(climb_t) <= sizeof(ssv_work_t), "a front under way fits the memory to work in");
+_Static_assert(_Alignof(climb_t) <= _Alignof(ssv_work_t), "and may stand there");
+
+static void begin_rung(climb_t* climb) {
+    // The scenario's own price is to be among the points, so that rung is asked as it was asked.
+    ssv_question_t question = climb->own;
+    if (climb->rung < SSV_NUM_RUNGS - 1) {
+        const uint32_t overflows = real_overflows();
+        question.list_candidates = true;
+        question.weight_time_per_s = rungs[climb->rung][0];
+        question.weight_impulse_per_Ns =
+            real_div(rungs[climb->rung][1], question.problem->scenario.vehicle.force_max_N);
+        if (real_overflows() != overflows) climb->overflowed = true;
+    }
+    ssv_choice_begin(&question, &climb->choice, &climb->quote);
+}
+
+// Takes over what the rung found.
+static void end_rung(climb_t* climb, ssv_front_t* front) {
+    const ssv_quote_t* quote = &climb->quote;
+    const int spare = SSV_NUM_RUNGS - 1 - climb->rung;
+    if (quote->status == SSV_NUMERIC_OVERFLOW) climb->overflowed = true;
+    if (quote->status != SSV_OK) return;
+    front->status = SSV_OK;
+    front_add(front, &quote->choice, spare);
+    for (int k = 0; k < quote->num_candidates; k++) {
+        if (quote->candidate[k].outcome == SSV_FEASIBLE) front_add(front, &quote->candidate[k], spare);
+    }
+}
+
+static void finish(climb_t* climb, ssv_front_t* front) {
     const uint32_t overflows = real_overflows();
-    ssv_quote_t quote;
+    for (int k = 0; k < front->num_points; k++) {
+        ssv_candidate_t* point = &front->point[k];
+        point->cost = real_mul(climb->own.weight_time_per_s, point->time_s) +
+                      real_mul(climb->own.weight_impulse_per_Ns, point->impulse_Ns);
+    }
+    if (!climb->overflowed && real_overflows() == overflows) return;
+    const uint64_t scenario_hash = front->scenario_hash;
+    memset(front, 0, sizeof *front);
+    front->status = SSV_NUMERIC_OVERFLOW;
+    front->scenario_hash = scenario_hash;
+}
+
+void ssv_front_begin(const ssv_problem_t* problem, ssv_work_t* work, ssv_front_t* front) {
+    climb_t* climb = (climb_t*)work;
     memset(front, 0, sizeof *front);
     front->status = SSV_INFEASIBLE;
     front->scenario_hash = problem->scenario_hash;
-    for (int n = 0; n < SSV_NUM_RUNGS; n++) {
-        // The scenario's own price is to be among the points, so that rung is asked as it was asked.
-        ssv_question_t question = own;
-        if (n < SSV_NUM_RUNGS - 1) {
-            question.list_candidates = true;
-            question.weight_time_per_s = rungs[n][0];
-            question.weight_impulse_per_Ns = real_div(rungs[n][1], problem->scenario.vehicle.force_max_N);
-        }
-        if (ssv_quote_of(&question, work, &quote) != SSV_OK) continue;
-        front->status = SSV_OK;
-        front_add(front, &quote.choice, SSV_NUM_RUNGS - 1 - n);
-        for (int k = 0; k < quote.num_candidates; k++) {
-            if (quote.candidate[k].outcome == SSV_FEASIBLE)
-                front_add(front, &quote.candidate[k], SSV_NUM_RUNGS - 1 - n);
-        }
+    climb->own = ssv_question_of(problem);
+    climb->rung = 0;
+    climb->overflowed = false;
+    begin_rung(climb);
+}
+
+bool ssv_front_step(ssv_work_t* work, ssv_front_t* front) {
+    climb_t* climb = (climb_t*)work;
+    if (climb->rung == SSV_NUM_RUNGS) return true;
+    if (!ssv_choice_quote_step(&climb->choice, &climb->quote)) return false;
+    end_rung(climb, front);
+    climb->rung++;
+    if (climb->rung < SSV_NUM_RUNGS) {
+        begin_rung(climb);
+        return false;
     }
-    for (int k = 0; k < front->num_points; k++) {
-        ssv_candidate_t* point = &front->point[k];
-        point->cost =
-            real_mul(own.weight_time_per_s, point->time_s) + real_mul(own.weight_impulse_per_Ns, point->impulse_Ns);
-    }
-    if (real_overflows() != overflows) {
-        memset(front, 0, sizeof *front);
-        front->status = SSV_NUMERIC_OVERFLOW;
-        front->scenario_hash = problem->scenario_hash;
-    }
+    finish(climb, front);
+    return true;
+}
+
+ssv_status_t ssv_front(const ssv_problem_t* problem, ssv_work_t* work, ssv_front_t* front) {
+    ssv_front_begin(problem, work, front);
+    while (!ssv_front_step(work, front)) {}
     return front->status;
 }

@@ -38,31 +38,23 @@ static void enter_candidates(const ssv_scenario_t* scenario, ssv_quote_t* quote)
     }
 }
 
-// The paper's path of each candidate that may be cheaper than what is known.
-static void search_paper(const ssv_question_t* question, ssv_quote_t* quote, ssv_path_t* best) {
-    ssv_paper_search_t search;
-    ssv_paper_search_begin(&search, question, &best->price);
+// The paper's path of the next candidate, if that may be cheaper than what is known. @return whether it was the last.
+static bool try_paper(ssv_choice_t* choice, ssv_quote_t* quote) {
+    if (choice->num_done == 0) ssv_paper_search_begin(&choice->paper, &choice->question, &choice->best.price);
+    if (choice->num_done == quote->num_candidates) return true;
+    ssv_candidate_t* candidate = &quote->candidate[choice->num_done++];
+    const int num_priced = choice->paper.num_priced;
     ssv_path_t path;
-    for (int k = 0; k < quote->num_candidates; k++) {
-        ssv_candidate_t* candidate = &quote->candidate[k];
-        if (!ssv_paper_search(&search, candidate->contact, candidate->attach_height_m, &path)) continue;
+    if (ssv_paper_search(&choice->paper, candidate->contact, candidate->attach_height_m, &path)) {
         improve(candidate, ssv_candidate_of(&path.grasp, &path.price));
-        if (ssv_price_beats(&path.price, &best->price)) *best = path;
+        if (ssv_price_beats(&path.price, &choice->best.price)) choice->best = path;
     }
-    quote->num_priced += search.num_priced;
+    quote->num_priced += choice->paper.num_priced - num_priced;
+    return choice->num_done == quote->num_candidates;
 }
 
-// What is known of the candidates while they are screened and searched.
-typedef struct {
-    int num;
-    real_t promise[SSV_MAX_CANDIDATES]; // price of the flights alone at first, then what screening finds
-    bool screened[SSV_MAX_CANDIDATES];  // or left out
-    bool done[SSV_MAX_CANDIDATES];      // searched, or left out
-    int favourite;                      // promises least of those screened; -1 before the first
-} prospects_t;
-
 // The candidate that promises least of those that are not marked; -1 if there is none.
-static int least_of(const prospects_t* prospects, const bool marked[SSV_MAX_CANDIDATES]) {
+static int least_of(const ssv_prospects_t* prospects, const bool marked[SSV_MAX_CANDIDATES]) {
     const real_t* promise = prospects->promise;
     int least = -1;
     for (int k = 0; k < prospects->num; k++) {
@@ -71,127 +63,188 @@ static int least_of(const prospects_t* prospects, const bool marked[SSV_MAX_CAND
     return least;
 }
 
-// Screens the candidates with short flights; all of them if all are to be listed.
-static void screen_candidates(const ssv_search_t* search, const ssv_budget_t* budget, const ssv_quote_t* quote,
-                              prospects_t* prospects) {
-    const bool all = search->question->list_candidates;
-    real_t turns = REAL(0); // what those of the favourite cost
-    *prospects = (prospects_t){.num = quote->num_candidates, .favourite = -1};
+static ssv_search_t search_of(ssv_choice_t* choice, ssv_quote_t* quote) {
+    return (ssv_search_t){&choice->question, &choice->memory, &choice->best, &quote->num_priced};
+}
+
+static void begin_screening(ssv_choice_t* choice, ssv_effort_t effort, ssv_quote_t* quote) {
+    const ssv_search_t search = search_of(choice, quote);
+    ssv_prospects_t* prospects = &choice->prospects;
+    choice->stage = SSV_CHOICE_SCREENS;
+    choice->effort = effort;
+    choice->num_done = 0;
+    *prospects = (ssv_prospects_t){.num = quote->num_candidates, .favourite = -1};
     for (int k = 0; k < prospects->num; k++) {
         const ssv_candidate_t* candidate = &quote->candidate[k];
-        prospects->promise[k] = ssv_screen_flights(search, candidate->contact, candidate->attach_height_m);
+        prospects->promise[k] = ssv_screen_flights(&search, candidate->contact, candidate->attach_height_m);
     }
-    for (int n = 0; n < prospects->num; n++) {
-        const int next = least_of(prospects, prospects->screened);
+}
+
+// Screens the next candidate: those with short flights, or all of them if all are to be listed. @return whether it was
+// the last.
+static bool screen_next(ssv_choice_t* choice, ssv_quote_t* quote) {
+    const ssv_search_t search = search_of(choice, quote);
+    const bool all = choice->question.list_candidates;
+    ssv_prospects_t* prospects = &choice->prospects;
+    while (choice->num_done < prospects->num) {
+        const int n = choice->num_done++, next = least_of(prospects, prospects->screened);
         const ssv_candidate_t* candidate = &quote->candidate[next];
         const real_t* to_beat = prospects->favourite >= 0 ? &prospects->promise[prospects->favourite] : NULL;
         const real_t flights = prospects->promise[next];
         prospects->screened[next] = true;
         // Skip screening when the straight flights alone, plus half of the turning cost of the best candidate so far,
         // already cost as much as that candidate.
-        prospects->done[next] =
-            !all && to_beat != NULL &&
-            (n >= budget->num_screened || flights + real_mul(SSV_TURNS_AT_LEAST, turns) >= *to_beat);
+        prospects->done[next] = !all && to_beat != NULL &&
+                                (n >= ssv_budgets[choice->effort].num_screened ||
+                                 flights + real_mul(SSV_TURNS_AT_LEAST, prospects->turns) >= *to_beat);
         if (prospects->done[next]) continue;
-        prospects->promise[next] = ssv_screen(search, candidate->contact, candidate->attach_height_m, to_beat);
-        if (to_beat != NULL && !ssv_clearly_less(prospects->promise[next], *to_beat)) continue;
-        prospects->favourite = next;
-        turns = prospects->promise[next] - flights;
-    }
-}
-
-// Screens the candidates and searches the most promising; all of them if all are to be listed.
-SSV_OWN_FRAME static void search_candidates(const ssv_search_t* search, ssv_effort_t effort, ssv_quote_t* quote) {
-    const ssv_budget_t* budget = &ssv_budgets[effort];
-    const bool all = search->question->list_candidates;
-    const ssv_price_t* best = &search->best->price;
-    prospects_t prospects;
-    screen_candidates(search, budget, quote, &prospects);
-    for (int n = 0; n < prospects.num; n++) {
-        const int next = n == 0 ? prospects.favourite : least_of(&prospects, prospects.done);
-        if (next < 0) break;
-        const real_t least = prospects.promise[prospects.favourite], promise = prospects.promise[next];
-        if (!(all || n < budget->num_searched || ssv_alike(least, promise))) break;
-        const bool hopeless = best->outcome == SSV_FEASIBLE && promise >= real_mul(SSV_SEARCH_GAIN, best->cost);
-        if (n > 0 && !all && hopeless) break;
-        ssv_candidate_t* candidate = &quote->candidate[next];
-        const int contact = candidate->contact;
-        const real_t height_m = candidate->attach_height_m;
-        prospects.done[next] = true;
-        // What the last screening kept is that of the favourite.
-        if (n > 0 && effort == SSV_EFFORT_QUICK) (void)ssv_screen(search, contact, height_m, NULL);
-        improve(candidate, ssv_optimal_search(search, contact, height_m, effort));
-    }
-}
-
-// Steps along the beam from the best height so far to the better side, shorter where neither gains; each with a quick
-// search.
-static void search_along_beam(const ssv_search_t* search) {
-    const ssv_path_t* best = search->best;
-    const real_t length = search->question->problem->scenario.beam.length_m, end = real_mul(REAL(0.5), length);
-    real_t step = real_mul(SSV_FIRST_HEIGHT_STEP, length);
-    for (int n = 0; n < SSV_NUM_HEIGHT_STEPS && best->price.outcome == SSV_FEASIBLE; n++) {
-        const real_t from = best->grasp.height_m;
-        for (int side = -1; side <= 1; side += 2) {
-            const real_t height_m = real_max(-end, real_min(end, side < 0 ? from - step : from + step));
-            if (height_m == from) continue;
-            const int contact = best->grasp.contact;
-            (void)ssv_screen(search, contact, height_m, NULL);
-            (void)ssv_optimal_search(search, contact, height_m, SSV_EFFORT_QUICK);
+        prospects->promise[next] = ssv_screen(&search, candidate->contact, candidate->attach_height_m, to_beat);
+        if (to_beat == NULL || ssv_clearly_less(prospects->promise[next], *to_beat)) {
+            prospects->favourite = next;
+            prospects->turns = prospects->promise[next] - flights;
         }
-        if (best->grasp.height_m == from) step = real_mul(REAL(0.5), step);
+        break;
     }
+    return choice->num_done == prospects->num;
 }
 
-// Effort best: the candidates, and the best height between them.
-static void search_closely(const ssv_search_t* search, ssv_quote_t* quote) {
-    const ssv_path_t* best = search->best;
-    const bool between = search->question->problem->scenario.attach_anywhere && best->price.outcome == SSV_FEASIBLE;
-    const int contact = between ? best->grasp.contact : 0;
-    const real_t height_m = between ? best->grasp.height_m : REAL(0);
-    search_candidates(search, SSV_EFFORT_BEST, quote);
-    if (between) (void)ssv_optimal_search(search, contact, height_m, SSV_EFFORT_BEST);
+// Whether the search goes on to this candidate, the n-th: the most promising, all of them if all are to be listed.
+static bool is_worth_a_search(const ssv_choice_t* choice, int next) {
+    const ssv_prospects_t* prospects = &choice->prospects;
+    const ssv_price_t* best = &choice->best.price;
+    const bool all = choice->question.list_candidates;
+    if (next < 0) return false;
+    const int n = choice->num_done;
+    const real_t least = prospects->promise[prospects->favourite], promise = prospects->promise[next];
+    if (!(all || n < ssv_budgets[choice->effort].num_searched || ssv_alike(least, promise))) return false;
+    const bool hopeless = best->outcome == SSV_FEASIBLE && promise >= real_mul(SSV_SEARCH_GAIN, best->cost);
+    return n == 0 || all || !hopeless;
 }
 
-_Static_assert(sizeof(ssv_memory_t) <= sizeof(ssv_work_t), "the search fits the memory to work in");
-_Static_assert(_Alignof(ssv_memory_t) <= _Alignof(ssv_work_t), "the search may stand where that memory is");
+// Searches the next candidate. @return whether that was the last.
+static bool search_next(ssv_choice_t* choice, ssv_quote_t* quote) {
+    const ssv_search_t search = search_of(choice, quote);
+    ssv_prospects_t* prospects = &choice->prospects;
+    const int n = choice->num_done, next = n == 0 ? prospects->favourite : least_of(prospects, prospects->done);
+    if (n == prospects->num || !is_worth_a_search(choice, next)) return true;
+    ssv_candidate_t* candidate = &quote->candidate[next];
+    const int contact = candidate->contact;
+    const real_t height_m = candidate->attach_height_m;
+    prospects->done[next] = true;
+    // What the last screening kept is that of the favourite.
+    if (n > 0 && choice->effort == SSV_EFFORT_QUICK) (void)ssv_screen(&search, contact, height_m, NULL);
+    improve(candidate, ssv_optimal_search(&search, contact, height_m, choice->effort));
+    choice->num_done++;
+    return false;
+}
+
+// Steps along the beam from the best height so far, one to each side, shorter where neither gains; each with a quick
+// search. @return whether these were the last.
+static bool step_along_beam(ssv_choice_t* choice, ssv_quote_t* quote) {
+    const ssv_search_t search = search_of(choice, quote);
+    const ssv_path_t* best = &choice->best;
+    const real_t length = choice->question.problem->scenario.beam.length_m, end = real_mul(REAL(0.5), length);
+    if (choice->num_done == SSV_NUM_HEIGHT_STEPS || best->price.outcome != SSV_FEASIBLE) return true;
+    const real_t from = best->grasp.height_m, step = choice->along_step_m;
+    for (int side = -1; side <= 1; side += 2) {
+        const real_t height_m = real_max(-end, real_min(end, side < 0 ? from - step : from + step));
+        if (height_m == from) continue;
+        const int contact = best->grasp.contact;
+        (void)ssv_screen(&search, contact, height_m, NULL);
+        (void)ssv_optimal_search(&search, contact, height_m, SSV_EFFORT_QUICK);
+    }
+    if (best->grasp.height_m == from) choice->along_step_m = real_mul(REAL(0.5), step);
+    choice->num_done++;
+    return false;
+}
 
 // More effort starts with what less effort does, and the paper's paths follow where these could still be cheaper:
 // neither ever costs more.
-static void search_optimal(const ssv_question_t* question, ssv_work_t* work, ssv_quote_t* quote, ssv_path_t* best) {
-    const ssv_scenario_t* scenario = &question->problem->scenario;
-    ssv_memory_t* memory = (ssv_memory_t*)work;
-    const ssv_search_t search = {question, memory, best, &quote->num_priced};
-    ssv_capability_init(question, &memory->capability);
-    search_candidates(&search, SSV_EFFORT_QUICK, quote);
-    if (scenario->attach_anywhere) search_along_beam(&search);
-    if (scenario->effort == SSV_EFFORT_BEST) search_closely(&search, quote);
+static void begin_stage(ssv_choice_t* choice, ssv_choice_stage_t stage) {
+    choice->stage = stage;
+    choice->num_done = 0;
 }
 
-bool ssv_choose(const ssv_question_t* question, ssv_work_t* work, ssv_quote_t* quote, ssv_path_t* best) {
-    SSV_ASSERT(question->method == SSV_METHOD_PAPER || work != NULL);
+static void begin_after_quick(ssv_choice_t* choice, ssv_quote_t* quote) {
+    const ssv_scenario_t* scenario = &choice->question.problem->scenario;
+    const bool between = scenario->attach_anywhere && choice->best.price.outcome == SSV_FEASIBLE;
+    if (scenario->effort != SSV_EFFORT_BEST) {
+        begin_stage(choice, SSV_CHOICE_TRIES_PAPER);
+        return;
+    }
+    choice->between_contact = between ? choice->best.grasp.contact : 0;
+    choice->between_height_m = choice->best.grasp.height_m;
+    begin_screening(choice, SSV_EFFORT_BEST, quote);
+}
+
+static void begin_after_searches(ssv_choice_t* choice, ssv_quote_t* quote) {
+    const ssv_scenario_t* scenario = &choice->question.problem->scenario;
+    if (choice->effort == SSV_EFFORT_BEST) {
+        begin_stage(choice, choice->between_contact > 0 ? SSV_CHOICE_SEARCHES_BETWEEN : SSV_CHOICE_TRIES_PAPER);
+    } else if (scenario->attach_anywhere) {
+        choice->along_step_m = real_mul(SSV_FIRST_HEIGHT_STEP, scenario->beam.length_m);
+        begin_stage(choice, SSV_CHOICE_STEPS_ALONG);
+    } else {
+        begin_after_quick(choice, quote);
+    }
+}
+
+void ssv_choice_begin(const ssv_question_t* question, ssv_choice_t* choice, ssv_quote_t* quote) {
+    const uint32_t overflows = real_overflows();
     memset(quote, 0, sizeof *quote);
     quote->status = SSV_INFEASIBLE;
     quote->scenario_hash = question->problem->scenario_hash;
-    best->price.outcome = SSV_TOO_LONG;
+    choice->question = *question;
+    choice->best.price.outcome = SSV_TOO_LONG;
     enter_candidates(&question->problem->scenario, quote);
-    if (question->method == SSV_METHOD_OPTIMAL) search_optimal(question, work, quote, best);
-    search_paper(question, quote, best);
-    return best->price.outcome == SSV_FEASIBLE;
+    if (question->method == SSV_METHOD_OPTIMAL) {
+        ssv_capability_init(&choice->question, &choice->memory.capability);
+        begin_screening(choice, SSV_EFFORT_QUICK, quote);
+    } else {
+        begin_stage(choice, SSV_CHOICE_TRIES_PAPER);
+    }
+    choice->overflowed = real_overflows() != overflows;
 }
 
-bool ssv_choose_next(const ssv_question_t* question, ssv_outcome_t outcome, ssv_quote_t* quote, ssv_path_t* path) {
-    SSV_ASSERT(question->method == SSV_METHOD_PAPER && outcome != SSV_FEASIBLE);
+bool ssv_choice_step(ssv_choice_t* choice, ssv_quote_t* quote) {
+    const uint32_t overflows = real_overflows();
+    const ssv_search_t search = search_of(choice, quote);
+    switch (choice->stage) {
+        case SSV_CHOICE_SCREENS:
+            if (screen_next(choice, quote)) begin_stage(choice, SSV_CHOICE_SEARCHES);
+            break;
+        case SSV_CHOICE_SEARCHES:
+            if (search_next(choice, quote)) begin_after_searches(choice, quote);
+            break;
+        case SSV_CHOICE_STEPS_ALONG:
+            if (step_along_beam(choice, quote)) begin_after_quick(choice, quote);
+            break;
+        case SSV_CHOICE_SEARCHES_BETWEEN:
+            (void)ssv_optimal_search(&search, choice->between_contact, choice->between_height_m, SSV_EFFORT_BEST);
+            begin_stage(choice, SSV_CHOICE_TRIES_PAPER);
+            break;
+        case SSV_CHOICE_TRIES_PAPER:
+            if (try_paper(choice, quote)) begin_stage(choice, SSV_CHOICE_IS_MADE);
+            break;
+        case SSV_CHOICE_IS_MADE: break;
+    }
+    if (real_overflows() != overflows) choice->overflowed = true;
+    return choice->stage == SSV_CHOICE_IS_MADE;
+}
+
+bool ssv_choice_next(ssv_choice_t* choice, ssv_outcome_t outcome, ssv_quote_t* quote) {
+    SSV_ASSERT(choice->question.method == SSV_METHOD_PAPER && outcome != SSV_FEASIBLE);
+    const uint32_t overflows = real_overflows();
     int k = cheapest(quote);
     if (k >= 0) quote->candidate[k].outcome = outcome;
     k = cheapest(quote);
     if (k < 0) return false;
     const ssv_candidate_t* candidate = &quote->candidate[k];
     const ssv_price_t nothing = {.outcome = SSV_TOO_LONG};
-    ssv_paper_search_t search;
-    ssv_paper_search_begin(&search, question, &nothing);
-    (void)ssv_paper_search(&search, candidate->contact, candidate->attach_height_m, path);
-    quote->num_priced += search.num_priced;
+    ssv_paper_search_begin(&choice->paper, &choice->question, &nothing);
+    (void)ssv_paper_search(&choice->paper, candidate->contact, candidate->attach_height_m, &choice->best);
+    quote->num_priced += choice->paper.num_priced;
+    if (real_overflows() != overflows) choice->overflowed = true;
     return true;
 }
 
@@ -213,8 +266,8 @@ void ssv_quote_finish_price(const ssv_question_t* question, const ssv_path_t* pa
     memset(quote->candidate, 0, sizeof quote->candidate);
 }
 
-ssv_status_t ssv_quote_finish_status(const ssv_question_t* question, uint32_t overflows, ssv_quote_t* quote) {
-    if (real_overflows() == overflows && real_is_finite(quote->cost)) {
+ssv_status_t ssv_quote_finish_status(const ssv_question_t* question, bool overflowed, ssv_quote_t* quote) {
+    if (!overflowed && real_is_finite(quote->cost)) {
         // What motions that did not fit a plan added up is no price.
         if (quote->status != SSV_OK) quote->cost = quote->time_s = quote->impulse_Ns = REAL(0);
         return quote->status;
@@ -225,14 +278,28 @@ ssv_status_t ssv_quote_finish_status(const ssv_question_t* question, uint32_t ov
     return quote->status;
 }
 
-ssv_status_t ssv_quote_of(const ssv_question_t* question, ssv_work_t* work, ssv_quote_t* quote) {
+bool ssv_choice_quote_step(ssv_choice_t* choice, ssv_quote_t* quote) {
+    if (!ssv_choice_step(choice, quote)) return false;
     const uint32_t overflows = real_overflows();
-    ssv_path_t path;
-    if (ssv_choose(question, work, quote, &path)) ssv_quote_finish_price(question, &path, quote);
-    return ssv_quote_finish_status(question, overflows, quote);
+    if (choice->best.price.outcome == SSV_FEASIBLE) {
+        ssv_quote_finish_price(&choice->question, &choice->best, quote);
+    }
+    (void)ssv_quote_finish_status(&choice->question, choice->overflowed || real_overflows() != overflows, quote);
+    return true;
 }
 
-ssv_status_t ssv_quote(const ssv_problem_t* problem, ssv_work_t* work, ssv_quote_t* quote) {
+_Static_assert(sizeof(ssv_choice_t) <= sizeof(ssv_work_t), "a quote under way fits the memory to work in");
+_Static_assert(_Alignof(ssv_choice_t) <= _Alignof(ssv_work_t), "and may stand there");
+
+void ssv_quote_begin(const ssv_problem_t* problem, ssv_work_t* work, ssv_quote_t* quote) {
     const ssv_question_t question = ssv_question_of(problem);
-    return ssv_quote_of(&question, work, quote);
+    ssv_choice_begin(&question, (ssv_choice_t*)work, quote);
+}
+
+bool ssv_quote_step(ssv_work_t* work, ssv_quote_t* quote) { return ssv_choice_quote_step((ssv_choice_t*)work, quote); }
+
+ssv_status_t ssv_quote(const ssv_problem_t* problem, ssv_work_t* work, ssv_quote_t* quote) {
+    ssv_quote_begin(problem, work, quote);
+    while (!ssv_quote_step(work, quote)) {}
+    return quote->status;
 }
