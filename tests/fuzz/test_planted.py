@@ -13,20 +13,20 @@ SEED = int(os.environ.get("SSV_SEED", "20250801"))
 SECONDS = 100
 
 # The readers of a ramp, one of which the stack trace of the finding must name.
-READERS = ("ssv_ramp_reach", "ssv_ramp_acceleration", "ssv_ramp_idles", "ssv_ramp_law")
+READERS = ("ssv_ramp_distance_to", "ssv_ramp_acceleration", "ssv_ramp_ends_coasting", "ssv_ramp_dv_dt")
 # What to take back, as (file in firmware/, text there, text before the fix).
 PLANT = (
     ("planner/profile/ramp.c", "    if (ramp->num == 0) return REAL(0);\n", ""),
     ("planner/profile/ramp.c", "    if (ramp->num == 0) {\n"
                                "        ramp->last = -1;\n"
-                               "        ramp->cut = (ssv_stretch_t){.law = SSV_NO_LAW};\n"
+                               "        ramp->partial = (ssv_speed_arc_t){.arc_id = SSV_NO_ARC};\n"
                                "        *acceleration = REAL(0);\n"
                                "        return REAL(0);\n"
                                "    }\n", ""),
-    ("planner/profile/ramp.c", "return ramp->last >= 0 && side_of(", "return side_of("),
+    ("planner/profile/ramp.c", "return ramp->last >= 0 && is_coast(", "return is_coast("),
     ("planner/profile/profile.c", "    if (!(highest > REAL(0))) return too_slow(leg);\n", ""),
     ("planner/profile/profile.c", "        if (!(peak > REAL(0))) return too_slow(leg);\n", ""),
-    ("planner/profile/profile.c", "    if (!(low > REAL(0))) return too_slow(leg);\n", ""),
+    ("planner/profile/profile.c", "    if (!(root.low > REAL(0))) return too_slow(leg);\n", ""),
 )
 
 
@@ -41,8 +41,10 @@ class Planted(unittest.TestCase):
                 content = file.read_text()
                 self.assertEqual(content.count(text), 1, f"firmware/{name} does not hold this text once: adapt PLANT\n{text}")
                 file.write_text(content.replace(text, before))
+            # Without the core's assertions, which would stop the program before it reads what is not there.
             command = [part.replace(str(SOURCE / "firmware"), str(firmware))
-                       for part in Path(os.environ["SSV_FUZZ_COMMAND"]).read_text().splitlines()]
+                       for part in Path(os.environ["SSV_FUZZ_COMMAND"]).read_text().splitlines()
+                       if part != "-DSSV_ASSERTIONS"]
             fuzzer = Path(folder, "fuzzer")
             build = subprocess.run([*command, fuzzer], stderr=subprocess.PIPE, text=True)
             self.assertEqual(build.returncode, 0, build.stderr)
