@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "planner/model/fields.def"
+#include "ssv/check.h"
 
 static vec3_t vec3_from_wire(const double v[3]) {
     return vec3(real_from_double(v[0]), real_from_double(v[1]), real_from_double(v[2]));
@@ -27,6 +28,7 @@ static quat_t quat_from_wire(const double q[4]) {
 #define FROM_ENUM(type) (type)
 #define FROM_HEIGHT(k) real_from_double
 #define FROM_RING(value) real_from_double(value)
+#define FROM_ADDED(value) real_from_double(value)
 #define FROM_FIELD(kind, core, wire, min, max, unit, text) scenario->core = FROM_##kind(message->wire);
 
 void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* message) { SSV_FIELDS(FROM_FIELD) }
@@ -60,15 +62,30 @@ static lcm_ssv_candidate_t candidate_to_wire(const ssv_candidate_t* candidate) {
 }
 
 static lcm_ssv_leg_t leg_to_wire(const ssv_leg_t* leg) {
-    const lcm_ssv_leg_t wire = {.phase = (int8_t)leg->phase,
-                                .kind = (int8_t)leg->kind,
-                                .ramp = (int8_t)leg->ramp,
-                                .t_start_s = real_to_double(leg->t_start_s),
-                                .duration_s = real_to_double(leg->duration_s),
-                                .impulse_Ns = real_to_double(leg->impulse_Ns),
-                                .peak_speed = real_to_double(leg->peak_speed),
-                                .X_IS_start = pose_to_wire(leg->X_IS_start),
-                                .X_IS_end = pose_to_wire(leg->X_IS_end)};
+    lcm_ssv_leg_t wire = {.phase = (int8_t)leg->phase,
+                          .kind = (int8_t)leg->kind,
+                          .ramp = (int8_t)leg->ramp,
+                          .t_start_s = real_to_double(leg->t_start_s),
+                          .duration_s = real_to_double(leg->duration_s),
+                          .impulse_Ns = real_to_double(leg->impulse_Ns),
+                          .length = real_to_double(leg->length),
+                          .peak_speed = real_to_double(leg->peak_speed),
+                          .X_IS_start = pose_to_wire(leg->X_IS_start),
+                          .X_IS_end = pose_to_wire(leg->X_IS_end),
+                          .first_arc = (int8_t)leg->first_arc,
+                          .num_arcs = (int8_t)leg->num_arcs};
+    vec3_to_wire(wire.v_S, leg->v_S);
+    vec3_to_wire(wire.w_S, leg->w_S);
+    return wire;
+}
+
+static lcm_ssv_arc_t arc_to_wire(const ssv_arc_t* arc) {
+    lcm_ssv_arc_t wire = {.t_s = real_to_double(arc->t_s),
+                          .duration_s = real_to_double(arc->duration_s),
+                          .s = real_to_double(arc->s),
+                          .v_start = real_to_double(arc->v_start),
+                          .v_end = real_to_double(arc->v_end)};
+    for (int i = 0; i < 3; i++) wire.dv_dt[i] = real_to_double(arc->dv_dt[i]);
     return wire;
 }
 
@@ -151,11 +168,9 @@ static int8_t status_to_wire(ssv_status_t status) {
 }
 
 /// A refusal that does not say why yet.
-static void quote_begin(const lcm_ssv_scenario_t* question, ssv_quote_parts_t* parts, lcm_ssv_quote_t* wire) {
+static void quote_begin(ssv_quote_parts_t* parts, lcm_ssv_quote_t* wire) {
     memset(wire, 0, sizeof *wire);
     parts->reason[0] = '\0';
-    wire->request_id = question->request_id;
-    wire->epoch_us = question->epoch_us;
     wire->status = LCM_SSV_QUOTE_T_STATUS_INVALID;
     wire->reason = parts->reason;
     wire->candidates = parts->candidates;
@@ -165,7 +180,7 @@ static void quote_begin(const lcm_ssv_scenario_t* question, ssv_quote_parts_t* p
 /// The way from outside to a checked problem. @return SSV_OK, or what is wrong, which the reason then tells.
 static ssv_status_t check(const lcm_ssv_scenario_t* question, int64_t epoch_us, char* reason, ssv_problem_t* problem) {
     if (epoch_us < 0) {
-        reason_add(reason, "epoch_us: %lld is negative, it must be 0 or later", (long long)epoch_us);
+        reason_add(reason, "asker.epoch_us: %lld is negative, it must be 0 or later", (long long)epoch_us);
         return SSV_E_RANGE;
     }
     ssv_scenario_t scenario;
@@ -178,12 +193,10 @@ static ssv_status_t check(const lcm_ssv_scenario_t* question, int64_t epoch_us, 
     return checked;
 }
 
-static void front_to_wire(const ssv_problem_t* problem, ssv_work_t* work, lcm_ssv_quote_t* wire) {
-    ssv_front_t front;
-    ssv_front(problem, work, &front);
-    wire->num_front = front.num_points;
-    for (int i = 0; i < front.num_points; i++) {
-        wire->front[i] = candidate_to_wire(&front.point[i]);
+static void front_to_wire(const ssv_front_t* front, lcm_ssv_quote_t* wire) {
+    wire->num_front = front->num_points;
+    for (int i = 0; i < front->num_points; i++) {
+        wire->front[i] = candidate_to_wire(&front->point[i]);
     }
 }
 
@@ -211,6 +224,8 @@ static void quote_to_wire(const ssv_quote_t* quote, lcm_ssv_quote_t* wire) {
     wire->choice.attach_height_m = real_to_double(quote->choice.attach_height_m);
     wire->choice.ring_angle_rad = real_to_double(quote->choice.ring_angle_rad);
     wire->choice.candidates = quote->num_priced;
+    wire->X_IS_final = pose_to_wire(quote->X_IS_final);
+    wire->X_IB_final = pose_to_wire(quote->X_IB_final);
 }
 
 static void motion_to_wire(const ssv_plan_t* plan, lcm_ssv_plan_t* wire) {
@@ -218,6 +233,10 @@ static void motion_to_wire(const ssv_plan_t* plan, lcm_ssv_plan_t* wire) {
     wire->num_legs = plan->num_legs;
     for (int i = 0; i < plan->num_legs; i++) {
         wire->legs[i] = leg_to_wire(&plan->leg[i]);
+    }
+    wire->num_arcs = plan->num_arcs;
+    for (int i = 0; i < plan->num_arcs; i++) {
+        wire->arcs[i] = arc_to_wire(&plan->arc[i]);
     }
     wire->num_segments = plan->num_segments;
     for (int i = 0; i < plan->num_segments; i++) {
@@ -228,114 +247,222 @@ static void motion_to_wire(const ssv_plan_t* plan, lcm_ssv_plan_t* wire) {
         wire->events[i].t_s = real_to_double(plan->event[i].t_s);
         wire->events[i].kind = (int8_t)plan->event[i].kind;
     }
-    wire->X_IS_final = pose_to_wire(plan->X_IS_final);
-    wire->X_IB_final = pose_to_wire(plan->X_IB_final);
+    wire->X_SB = pose_to_wire(plan->X_SB);
 }
 
-static void answer_begin(const lcm_ssv_scenario_t* question, ssv_answer_t* answer) {
+// ---- One scenario, in slices ----------------------------------------------------------------------------------------
+
+enum { CHECKS, ANSWERS, CLIMBS_FRONT, IS_ANSWERED };
+
+static void work_begin(ssv_working_t* working) {
+    working->stage = CHECKS;
+    working->status = SSV_INFEASIBLE;
+}
+
+/// What comes after a step of the plan or of the quote.
+static void work_priced(const lcm_ssv_scenario_t* scenario, const ssv_quote_t* quote, ssv_working_t* working,
+                        lcm_ssv_quote_t* wire) {
+    working->status = quote->status;
+    working->stage = IS_ANSWERED;
+    quote_to_wire(quote, wire);
+    if (quote->status == SSV_OK && scenario->options.want_front != 0) {
+        ssv_front_begin(&working->problem, &working->work, &working->front);
+        working->stage = CLIMBS_FRONT;
+    }
+}
+
+/// The first and the last stages, which plans and quotes have in common. @return whether the stage was one of these.
+static bool work_around(const lcm_ssv_scenario_t* scenario, int64_t epoch_us, ssv_working_t* working,
+                        lcm_ssv_quote_t* wire) {
+    if (working->stage == CHECKS) {
+        working->status = check(scenario, epoch_us, wire->reason, &working->problem);
+        working->stage = working->status == SSV_OK ? ANSWERS : IS_ANSWERED;
+        working->begun = false;
+    } else if (working->stage == CLIMBS_FRONT) {
+        if (ssv_front_step(&working->work, &working->front)) {
+            front_to_wire(&working->front, wire);
+            working->stage = IS_ANSWERED;
+        }
+    } else {
+        return working->stage == IS_ANSWERED;
+    }
+    return true;
+}
+
+// ---- A plan ---------------------------------------------------------------------------------------------------------
+
+lcm_ssv_planner_t ssv_planner_identity(int64_t planner_id) {
+    const int8_t scalar = strcmp(REAL_NAME, "double") == 0  ? LCM_SSV_PLANNER_T_SCALAR_DOUBLE
+                          : strcmp(REAL_NAME, "float") == 0 ? LCM_SSV_PLANNER_T_SCALAR_FLOAT
+                                                            : LCM_SSV_PLANNER_T_SCALAR_FIXED;
+    return (lcm_ssv_planner_t){.planner_id = planner_id, .version = (char*)SSV_VERSION, .scalar = scalar};
+}
+
+void ssv_answer_begin(const lcm_ssv_scenario_t* question, const lcm_ssv_planner_t* planner, ssv_answer_t* answer) {
     memset(&answer->wire, 0, sizeof answer->wire);
-    quote_begin(question, &answer->parts, &answer->wire.quote);
+    answer->wire.answer = (lcm_ssv_answer_t){
+        .asker = question->asker, .question_hash = (int64_t)ssv_scenario_question_hash(question), .planner = *planner};
+    quote_begin(&answer->parts, &answer->wire.quote);
     answer->wire.legs = answer->legs;
+    answer->wire.arcs = answer->arcs;
     answer->wire.segments = answer->segments;
     answer->wire.events = answer->events;
+    work_begin(&answer->working);
 }
 
-void ssv_answer_refuse(const lcm_ssv_scenario_t* question, const char* reason, ssv_answer_t* answer) {
-    answer_begin(question, answer);
-    reason_add(answer->parts.reason, "%s", reason);
-}
-
-ssv_status_t ssv_answer(const lcm_ssv_scenario_t* question, ssv_answer_t* answer) {
-    ssv_problem_t problem;
-    ssv_work_t work;
-    answer_begin(question, answer);
-    const ssv_status_t checked = check(question, question->epoch_us, answer->parts.reason, &problem);
-    if (checked != SSV_OK) {
-        return checked;
-    }
-    const ssv_status_t planned = ssv_plan(&problem, &work, &answer->plan);
-    quote_to_wire(&answer->plan.quote, &answer->wire.quote);
-    if (planned == SSV_OK) {
-        if (question->options.want_front != 0) {
-            front_to_wire(&problem, &work, &answer->wire.quote);
+bool ssv_answer_step(const lcm_ssv_scenario_t* question, ssv_answer_t* answer) {
+    ssv_working_t* working = &answer->working;
+    lcm_ssv_quote_t* quote = &answer->wire.quote;
+    if (!work_around(question, question->asker.epoch_us, working, quote)) {
+        if (!working->begun) {
+            ssv_plan_begin(&working->problem, &working->work, &answer->plan);
+            working->begun = true;
+        } else if (ssv_plan_step(&working->work, &answer->plan)) {
+            work_priced(question, &answer->plan.quote, working, quote);
+            if (working->status == SSV_OK) motion_to_wire(&answer->plan, &answer->wire);
         }
-        motion_to_wire(&answer->plan, &answer->wire);
     }
-    return planned;
+    return working->stage == IS_ANSWERED;
 }
 
-void ssv_answer_batch_begin(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer) {
-    answer->wire.num_quotes = 0;
-    answer->wire.request_id = question->request_id;
-    answer->wire.epoch_us = question->epoch_us;
+void ssv_answer_refuse(const char* reason, ssv_answer_t* answer) {
+    reason_add(answer->parts.reason, "%s", reason);
+    answer->working.stage = IS_ANSWERED;
+}
+
+ssv_status_t ssv_answer(const lcm_ssv_scenario_t* question, const lcm_ssv_planner_t* planner, ssv_answer_t* answer) {
+    ssv_answer_begin(question, planner, answer);
+    while (!ssv_answer_step(question, answer)) {}
+    return answer->working.status;
+}
+
+// ---- A batch --------------------------------------------------------------------------------------------------------
+
+void ssv_answer_batch_begin(const lcm_ssv_scenario_batch_t* question, uint64_t question_hash,
+                            const lcm_ssv_planner_t* planner, ssv_batch_answer_t* answer) {
+    memset(&answer->wire, 0, sizeof answer->wire);
+    answer->wire.answer =
+        (lcm_ssv_answer_t){.asker = question->asker, .question_hash = (int64_t)question_hash, .planner = *planner};
     answer->wire.quotes = answer->quotes;
+    work_begin(&answer->working);
 }
 
 /// A refusal of the next scenario that does not say why yet. @return its number.
-static int batch_quote_begin(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer) {
+static int batch_quote_begin(ssv_batch_answer_t* answer) {
     const int i = answer->wire.num_quotes++;
-    quote_begin(&question->scenarios[i], &answer->parts[i], &answer->quotes[i]);
+    quote_begin(&answer->parts[i], &answer->quotes[i]);
     return i;
 }
 
-ssv_status_t ssv_answer_batch_next(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer) {
-    const int i = batch_quote_begin(question, answer);
+bool ssv_answer_batch_step(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer) {
+    ssv_working_t* working = &answer->working;
+    if (working->stage == IS_ANSWERED) work_begin(working);
+    const int i = working->stage == CHECKS ? batch_quote_begin(answer) : answer->wire.num_quotes - 1;
     const lcm_ssv_scenario_t* scenario = &question->scenarios[i];
-    ssv_problem_t problem;
-    const ssv_status_t checked = check(scenario, question->epoch_us, answer->parts[i].reason, &problem);
-    if (checked != SSV_OK) {
-        return checked;
+    if (!work_around(scenario, question->asker.epoch_us, working, &answer->quotes[i])) {
+        if (!working->begun) {
+            ssv_quote_begin(&working->problem, &working->work, &answer->quote);
+            working->begun = true;
+        } else if (ssv_quote_step(&working->work, &answer->quote)) {
+            work_priced(scenario, &answer->quote, working, &answer->quotes[i]);
+        }
     }
-    ssv_work_t work;
-    ssv_quote_t quote;
-    const ssv_status_t priced = ssv_quote(&problem, &work, &quote);
-    quote_to_wire(&quote, &answer->quotes[i]);
-    if (priced == SSV_OK && scenario->options.want_front != 0) {
-        front_to_wire(&problem, &work, &answer->quotes[i]);
-    }
-    return priced;
+    answer->scenario_done = working->stage == IS_ANSWERED;
+    return answer->scenario_done && answer->wire.num_quotes == question->num_scenarios;
 }
 
-void ssv_answer_batch(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer) {
-    ssv_answer_batch_begin(question, answer);
-    while (answer->wire.num_quotes < question->num_scenarios) {
-        ssv_answer_batch_next(question, answer);
-    }
+void ssv_answer_batch(const lcm_ssv_scenario_batch_t* question, uint64_t question_hash,
+                      const lcm_ssv_planner_t* planner, ssv_batch_answer_t* answer) {
+    ssv_answer_batch_begin(question, question_hash, planner, answer);
+    while (!ssv_answer_batch_step(question, answer)) {}
 }
 
 void ssv_answer_batch_refuse(const lcm_ssv_scenario_batch_t* question, const char* reason, ssv_batch_answer_t* answer) {
-    ssv_answer_batch_begin(question, answer);
     while (answer->wire.num_quotes < question->num_scenarios) {
-        const int i = batch_quote_begin(question, answer);
+        const int i = batch_quote_begin(answer);
         reason_add(answer->parts[i].reason, "%s", reason);
     }
-}
-
-static uint64_t read_big_endian(const uint8_t* data, int size) {
-    uint64_t value = 0;
-    for (int i = 0; i < size; i++) {
-        value = value << 8 | data[i];
-    }
-    return value;
+    answer->working.stage = IS_ANSWERED;
 }
 
 bool ssv_scenario_batch_decode(const void* data, size_t size, lcm_ssv_scenario_t scenarios[SSV_MAX_BATCH],
                                lcm_ssv_scenario_batch_t* batch) {
-    const uint8_t* bytes = data;
-    const size_t hash_size = 8, head_size = hash_size + 4 + 8 + 8;
-    if (size < head_size || read_big_endian(bytes, 8) != (uint64_t)__lcm_ssv_scenario_batch_t_get_hash()) {
-        return false;
-    }
-    const uint64_t count = read_big_endian(bytes + hash_size, 4);
     // encoded_size counts a type hash, which a part of a message does not have.
+    const size_t hash_size = 8;
+    const size_t asker_size = (size_t)lcm_ssv_asker_t_encoded_size(&(lcm_ssv_asker_t){0}) - hash_size;
     const size_t scenario_size = (size_t)lcm_ssv_scenario_t_encoded_size(&(lcm_ssv_scenario_t){0}) - hash_size;
-    if (count < 1 || count > SSV_MAX_BATCH || size != head_size + count * scenario_size) {
+    const size_t count_at = hash_size + asker_size, head_size = count_at + 4;
+    int64_t type_hash = 0;
+    int32_t count = 0;
+    if (size < head_size || __int64_t_decode_array(data, 0, (int)hash_size, &type_hash, 1) < 0 ||
+        type_hash != __lcm_ssv_scenario_batch_t_get_hash() ||
+        __int32_t_decode_array(data, (int)count_at, 4, &count, 1) < 0 || count < 1 || count > SSV_MAX_BATCH ||
+        size != head_size + (size_t)count * scenario_size) {
         return false;
     }
-    __lcm_ssv_scenario_t_decode_array(bytes, (int)head_size, (int)(size - head_size), scenarios, (int)count);
-    *batch = (lcm_ssv_scenario_batch_t){.num_scenarios = (int32_t)count,
-                                        .request_id = (int64_t)read_big_endian(bytes + hash_size + 4, 8),
-                                        .epoch_us = (int64_t)read_big_endian(bytes + hash_size + 12, 8),
-                                        .scenarios = scenarios};
+    *batch = (lcm_ssv_scenario_batch_t){.num_scenarios = count, .scenarios = scenarios};
+    __lcm_ssv_asker_t_decode_array(data, (int)hash_size, (int)asker_size, &batch->asker, 1);
+    __lcm_ssv_scenario_t_decode_array(data, (int)head_size, (int)(size - head_size), scenarios, count);
     return true;
+}
+
+// ---- Back into the core's types -------------------------------------------------------------------------------------
+
+static pose_t pose_from_wire(const lcm_ssv_pose_t* wire) {
+    return (pose_t){vec3_from_wire(wire->p_m), quat_from_wire(wire->q)};
+}
+
+static ssv_leg_t leg_from_wire(const lcm_ssv_leg_t* wire) {
+    return (ssv_leg_t){.phase = (ssv_phase_t)wire->phase,
+                       .kind = (ssv_leg_kind_t)wire->kind,
+                       .ramp = (ssv_ramp_t)wire->ramp,
+                       .t_start_s = real_from_double(wire->t_start_s),
+                       .duration_s = real_from_double(wire->duration_s),
+                       .impulse_Ns = real_from_double(wire->impulse_Ns),
+                       .length = real_from_double(wire->length),
+                       .peak_speed = real_from_double(wire->peak_speed),
+                       .v_S = vec3_from_wire(wire->v_S),
+                       .w_S = vec3_from_wire(wire->w_S),
+                       .X_IS_start = pose_from_wire(&wire->X_IS_start),
+                       .X_IS_end = pose_from_wire(&wire->X_IS_end),
+                       .first_arc = wire->first_arc,
+                       .num_arcs = wire->num_arcs};
+}
+
+void ssv_plan_from_wire(ssv_plan_t* plan, const lcm_ssv_plan_t* wire) {
+    memset(plan, 0, sizeof *plan);
+    plan->quote.time_s = real_from_double(wire->quote.time_s);
+    plan->quote.X_IS_final = pose_from_wire(&wire->quote.X_IS_final);
+    plan->quote.X_IB_final = pose_from_wire(&wire->quote.X_IB_final);
+    plan->plan_hash = (uint64_t)wire->plan_hash;
+    plan->X_SB = pose_from_wire(&wire->X_SB);
+    plan->num_legs = wire->num_legs;
+    for (int k = 0; k < wire->num_legs; k++) plan->leg[k] = leg_from_wire(&wire->legs[k]);
+    plan->num_arcs = wire->num_arcs;
+    for (int k = 0; k < wire->num_arcs; k++) {
+        const lcm_ssv_arc_t* from = &wire->arcs[k];
+        ssv_arc_t* arc = &plan->arc[k];
+        *arc = (ssv_arc_t){.t_s = real_from_double(from->t_s),
+                           .duration_s = real_from_double(from->duration_s),
+                           .s = real_from_double(from->s),
+                           .v_start = real_from_double(from->v_start),
+                           .v_end = real_from_double(from->v_end)};
+        for (int i = 0; i < 3; i++) arc->dv_dt[i] = real_from_double(from->dv_dt[i]);
+    }
+    plan->num_segments = wire->num_segments;
+    for (int k = 0; k < wire->num_segments; k++) {
+        const lcm_ssv_segment_t* from = &wire->segments[k];
+        ssv_segment_t* segment = &plan->segment[k];
+        segment->t_s = real_from_double(from->t_s);
+        segment->duration_s = real_from_double(from->duration_s);
+        segment->leg = from->leg;
+        for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+            segment->u_start_N[i] = real_from_double(from->u_start_N[i]);
+            segment->u_end_N[i] = real_from_double(from->u_end_N[i]);
+        }
+    }
+    plan->num_events = wire->num_events;
+    for (int k = 0; k < wire->num_events; k++) {
+        plan->event[k] = (ssv_event_t){real_from_double(wire->events[k].t_s), (ssv_event_kind_t)wire->events[k].kind};
+    }
 }

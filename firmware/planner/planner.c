@@ -70,8 +70,6 @@ static ssv_outcome_t write_motion(const ssv_question_t* question, const ssv_path
     }
     add_event(plan, SSV_DOCK);
     plan->X_SB = path->X_SB;
-    plan->X_IS_final = X_IS;
-    plan->X_IB_final = pose_mul(X_IS, path->X_SB);
     return SSV_FEASIBLE;
 }
 

@@ -28,7 +28,7 @@ static void sample_motion(const ssv_plan_t* plan, const ssv_leg_t* leg, real_t t
 
 void ssv_plan_sample(const ssv_plan_t* plan, real_t t_s, ssv_sample_t* sample) {
     memset(sample, 0, sizeof *sample);
-    sample->X_IS = plan->X_IS_final;
+    sample->X_IS = plan->quote.X_IS_final;
     sample->mated = t_s >= plan->event[0].t_s;
     if (plan->num_legs == 0) return;
     sample->leg = leg_at(plan, t_s);

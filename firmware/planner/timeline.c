@@ -4,7 +4,7 @@
 void ssv_timeline_of_plan(const ssv_plan_t* plan, ssv_timeline_t* timeline) {
     memset(timeline, 0, sizeof *timeline);
     timeline->plan_hash = plan->plan_hash;
-    const pose_t* X_IS = plan->num_legs > 0 ? &plan->leg[0].X_IS_start : &plan->X_IS_final;
+    const pose_t* X_IS = plan->num_legs > 0 ? &plan->leg[0].X_IS_start : &plan->quote.X_IS_final;
     timeline->p_IS_m[0] = real_to_float(X_IS->p.x);
     timeline->p_IS_m[1] = real_to_float(X_IS->p.y);
     timeline->p_IS_m[2] = real_to_float(X_IS->p.z);

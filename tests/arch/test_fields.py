@@ -68,7 +68,7 @@ class Fields(unittest.TestCase):
 
     def test_ranges_and_units_of_the_prose_are_those_of_the_table(self):
         table = list(rows())
-        self.assertEqual(len(table), len(re.findall(r"(?<!\w)X\((?:REAL|VEC3|UNIT|QUAT|INT|BOOL|ENUM|HEIGHT|RING)", TABLE)))
+        self.assertEqual(len(table), len(re.findall(r"(?<!\w)X\((?:REAL|VEC3|UNIT|QUAT|INT|BOOL|ENUM|HEIGHT|RING|ADDED)", TABLE)))
         self.assertGreaterEqual(self.check(table, prose()), 21)
 
     def test_a_range_that_differs_is_found(self):

@@ -57,8 +57,8 @@ static void print_plan(const ssv_scenario_t* scenario, const ssv_plan_t* plan) {
     print_real(scenario->standoff_m);
     print_vec3(scenario->p_IP_m);
     print_vec3(scenario->axis_I);
-    print_pose(plan->X_IS_final);
-    print_pose(plan->X_IB_final);
+    print_pose(plan->quote.X_IS_final);
+    print_pose(plan->quote.X_IB_final);
     printf(" %.17g", off_the_legs_m(plan));
     print_pose(plan->X_SB);
     for (int k = 0; k < plan->num_legs; k++) {

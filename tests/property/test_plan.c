@@ -33,8 +33,8 @@ static void test_claimed_poses_meet_the_task(void) {
         s.method = k % 10 == 0 ? SSV_METHOD_OPTIMAL : SSV_METHOD_PAPER;
         solve(&s, &plan);
         // At the mate: the vehicle at its standoff, at the chosen height, looking at the axis.
-        const pose_t mate = pose_mul(plan.X_IB_final, pose_inv(plan.X_SB)); // = X_IS_final
-        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9, 0, vec3_norm(vec3_sub(mate.p, plan.X_IS_final.p)), label);
+        const pose_t mate = pose_mul(plan.quote.X_IB_final, pose_inv(plan.X_SB)); // = X_IS_final
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9, 0, vec3_norm(vec3_sub(mate.p, plan.quote.X_IS_final.p)), label);
         const vec3_t p_BS = pose_inv(plan.X_SB).p;
         const vec3_t ahead_B = quat_apply(quat_conj(plan.X_SB.q), vec3(1, 0, 0));
         const double phi = plan.quote.choice.ring_angle_rad;
@@ -45,9 +45,9 @@ static void test_claimed_poses_meet_the_task(void) {
         // Docked: the contact on the port, the beam's outward axis against the port's.
         const double side = plan.quote.choice.contact == 1 ? -1 : 1;
         const pose_t contact_B = {{0, 0, side * 1.524}, quat_identity()};
-        const vec3_t contact_I = pose_mul(plan.X_IB_final, contact_B).p;
+        const vec3_t contact_I = pose_mul(plan.quote.X_IB_final, contact_B).p;
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9, 0, vec3_norm(vec3_sub(contact_I, s.p_IP_m)), label);
-        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9, -side, vec3_dot(quat_apply(plan.X_IB_final.q, vec3(0, 0, 1)), s.axis_I),
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9, -side, vec3_dot(quat_apply(plan.quote.X_IB_final.q, vec3(0, 0, 1)), s.axis_I),
                                           label);
     }
 }

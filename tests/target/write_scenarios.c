@@ -23,6 +23,7 @@ static void print_list(const double* values, int count) {
 #define PRINT_ENUM(type) printf("(" #type ")"), PRINT_INT
 #define PRINT_HEIGHT(k) PRINT_REAL
 #define PRINT_RING(value) PRINT_REAL(value)
+#define PRINT_ADDED(value) PRINT_REAL(value)
 #define PRINT_FIELD(kind, core, wire, min, max, unit, text)                                                            \
     printf("     ." #core " = ");                                                                                      \
     PRINT_##kind(scenario->wire);                                                                                      \

@@ -89,7 +89,7 @@ static void test_half_turn_of_the_beam_is_planned_about_the_cheapest_axis(void) 
     s.ring_angle_rad = -REAL_PI / 2;
     TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
     TEST_ASSERT_TRUE(plan.quote.num_priced >= 3 * SSV_NUM_TURN_AXES);
-    const vec3_t outward_I = quat_apply(plan.X_IB_final.q, vec3(0, 0, -1));
+    const vec3_t outward_I = quat_apply(plan.quote.X_IB_final.q, vec3(0, 0, -1));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1, outward_I.x);
 }
 
@@ -123,7 +123,7 @@ static void test_sample_rests_before_the_start_and_after_the_end(void) {
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, vec3_norm(vec3_sub(sample.X_IS.p, s.X_IS.p)));
     TEST_ASSERT_FALSE(sample.mated);
     ssv_plan_sample(&plan, plan.quote.time_s + 1, &sample);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, vec3_norm(vec3_sub(sample.X_IS.p, plan.X_IS_final.p)));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, vec3_norm(vec3_sub(sample.X_IS.p, plan.quote.X_IS_final.p)));
     TEST_ASSERT_TRUE(sample.mated);
     for (int i = 0; i < SSV_NUM_THRUSTERS; i++) TEST_ASSERT_EQUAL_DOUBLE(0, sample.u_N[i]);
 }
@@ -131,8 +131,8 @@ static void test_sample_rests_before_the_start_and_after_the_end(void) {
 static void test_task_that_is_done_already_costs_nothing(void) {
     ssv_scenario_t s = scenario_case_study(true);
     TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &plan));
-    s.X_IS = plan.X_IS_final;
-    s.X_IB = plan.X_IB_final;
+    s.X_IS = plan.quote.X_IS_final;
+    s.X_IB = plan.quote.X_IB_final;
     s.num_attach_heights = 1;
     s.attach_heights_m[0] = plan.quote.choice.attach_height_m;
     TEST_ASSERT_EQUAL_INT(SSV_OK, plan_of(&s, &other));

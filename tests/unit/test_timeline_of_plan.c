@@ -158,7 +158,7 @@ static void test_the_vehicle_mates_at_once_or_at_the_end_where_one_phase_has_no_
 static void test_a_plan_without_motion_is_a_timeline_of_events_alone(void) {
     plan_of(NULL, 0, 0, 0);
     plan.num_legs = 0;
-    plan.X_IS_final.p.z = REAL(7);
+    plan.quote.X_IS_final.p.z = REAL(7);
     ssv_timeline_of_plan(&plan, &timeline);
     TEST_ASSERT_EQUAL_INT(0, timeline.num_segments);
     TEST_ASSERT_EQUAL_INT(2, timeline.num_events);

@@ -28,10 +28,10 @@ extern "C" {
 #define SSV_CANDIDATE_REASON_SIZE 64
 
 /// The longest messages [bytes], by the sizes of the wire types. A quote has a reason or a front, never both.
-#define SSV_QUOTE_BYTES_MAX (90 + SSV_REASON_SIZE + (45 + SSV_CANDIDATE_REASON_SIZE) * SSV_MAX_CANDIDATES)
+#define SSV_QUOTE_BYTES_MAX (186 + SSV_REASON_SIZE + (45 + SSV_CANDIDATE_REASON_SIZE) * SSV_MAX_CANDIDATES)
 #define SSV_PLAN_BYTES_MAX                                                                                             \
-    (140 + SSV_QUOTE_BYTES_MAX + 147 * SSV_MAX_LEGS + 113 * SSV_MAX_SEGMENTS + 9 * SSV_MAX_EVENTS)
-#define SSV_QUOTE_BATCH_BYTES_MAX (28 + SSV_QUOTE_BYTES_MAX * SSV_MAX_BATCH)
+    (157 + SSV_QUOTE_BYTES_MAX + 205 * SSV_MAX_LEGS + 64 * SSV_MAX_ARCS + 113 * SSV_MAX_SEGMENTS + 9 * SSV_MAX_EVENTS)
+#define SSV_QUOTE_BATCH_BYTES_MAX (81 + SSV_QUOTE_BYTES_MAX * SSV_MAX_BATCH)
 
 /// What a quote_t points to.
 typedef struct {
@@ -40,45 +40,74 @@ typedef struct {
     lcm_ssv_candidate_t front[SSV_MAX_FRONT];
 } ssv_quote_parts_t;
 
-/// Memory for one answer: caller-owned, some 53 kB, best static. `wire` points into the rest, so the struct must not be
+/// A scenario on its way to its answer; its fields are not API.
+typedef struct {
+    int stage;
+    bool begun;
+    ssv_status_t status;
+    ssv_problem_t problem;
+    ssv_work_t work;
+    ssv_front_t front;
+} ssv_working_t;
+
+/// Memory for one answer: caller-owned, some 70 kB, best static. `wire` points into the rest, so the struct must not be
 /// copied or freed while wire is in use.
 typedef struct {
     lcm_ssv_plan_t wire; ///< the answer, ready to encode
     ssv_plan_t plan;     ///< the core's plan behind it; meaningful when wire.quote.status is STATUS_OK
     ssv_quote_parts_t parts;
     lcm_ssv_leg_t legs[SSV_MAX_LEGS];
+    lcm_ssv_arc_t arcs[SSV_MAX_ARCS];
     lcm_ssv_segment_t segments[SSV_MAX_SEGMENTS];
     lcm_ssv_event_t events[SSV_MAX_EVENTS];
+    ssv_working_t working; ///< working.status is the core's: that of ssv_plan, or what ssv_problem_init found
 } ssv_answer_t;
 
-/// Memory for the answer to one batch: some 63 kB, likewise.
+/// Memory for the answer to one batch: some 85 kB, likewise.
 typedef struct {
     lcm_ssv_quote_batch_t wire; ///< the answer, ready to encode
     lcm_ssv_quote_t quotes[SSV_MAX_BATCH];
     ssv_quote_parts_t parts[SSV_MAX_BATCH];
+    ssv_quote_t quote;     ///< the core's, of the scenario that is worked on
+    ssv_working_t working; ///< likewise
+    bool scenario_done;    ///< whether the last step ended a scenario, of which working.status then is the core's
 } ssv_batch_answer_t;
 
 /// Converts the wire scenario to the core's type, value for value: any content is accepted, nothing is checked here.
 /// want_front has no part in it: a front is asked for by a call of its own.
 void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* message);
 
-/// Answers the question: plans it, or says why not. Never fails; the answer's status and reason tell.
-/// @return the core's status: that of ssv_plan, or what ssv_problem_init found.
-ssv_status_t ssv_answer(const lcm_ssv_scenario_t* question, ssv_answer_t* answer);
+/// Converts a plan from the wire to what ssv_plan_sample reads: legs, arcs, segments, events, times and poses. It must
+/// have passed ssv_check_plan (ssv/check.h), with status OK.
+void ssv_plan_from_wire(ssv_plan_t* plan, const lcm_ssv_plan_t* message);
 
-/// Refuses the question without planning it: status INVALID with this reason (copied, cut at SSV_REASON_SIZE - 1).
-void ssv_answer_refuse(const lcm_ssv_scenario_t* question, const char* reason, ssv_answer_t* answer);
+/// This planner under an id, which an answer's reader knows it by. The text is static.
+lcm_ssv_planner_t ssv_planner_identity(int64_t planner_id);
+
+/// Answers the question: plans it, or says why not. Never fails; the answer's status and reason tell.
+/// @return answer->working.status.
+ssv_status_t ssv_answer(const lcm_ssv_scenario_t* question, const lcm_ssv_planner_t* planner, ssv_answer_t* answer);
+
+/// The same in slices, for who has other things to do between (ssv_plan_begin says how long they are): begin, then step
+/// until it returns true. *question must stay as it is until then; *planner's text as long as the answer is in use.
+void ssv_answer_begin(const lcm_ssv_scenario_t* question, const lcm_ssv_planner_t* planner, ssv_answer_t* answer);
+bool ssv_answer_step(const lcm_ssv_scenario_t* question, ssv_answer_t* answer);
+
+/// Refuses the question that was begun: status INVALID with this reason (copied, cut at SSV_REASON_SIZE - 1).
+void ssv_answer_refuse(const char* reason, ssv_answer_t* answer);
 
 /// Answers a batch of 1..SSV_MAX_BATCH scenarios: a price for each, or why there is none; one that is refused leaves
 /// the others alone. A price is that of `ssv_answer`, to the last bit (ssv_quote names the one exception).
-void ssv_answer_batch(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer);
+/// @param question_hash of the batch's message, see ssv_question_hash.
+void ssv_answer_batch(const lcm_ssv_scenario_batch_t* question, uint64_t question_hash,
+                      const lcm_ssv_planner_t* planner, ssv_batch_answer_t* answer);
 
-/// The same one scenario at a time, for who has other things to do between: begin, then next num_scenarios times.
-/// `next` answers scenario number answer->wire.num_quotes. @return its status as of `ssv_answer`.
-void ssv_answer_batch_begin(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer);
-ssv_status_t ssv_answer_batch_next(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer);
+/// The same in slices.
+void ssv_answer_batch_begin(const lcm_ssv_scenario_batch_t* question, uint64_t question_hash,
+                            const lcm_ssv_planner_t* planner, ssv_batch_answer_t* answer);
+bool ssv_answer_batch_step(const lcm_ssv_scenario_batch_t* question, ssv_batch_answer_t* answer);
 
-/// Refuses each of the scenarios, like `ssv_answer_refuse`.
+/// Refuses what is left of the batch that was begun, like `ssv_answer_refuse`.
 void ssv_answer_batch_refuse(const lcm_ssv_scenario_batch_t* question, const char* reason, ssv_batch_answer_t* answer);
 
 /// Decodes a scenario_batch_t that came from outside; its scenarios go to the caller's memory, to which

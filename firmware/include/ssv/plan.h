@@ -98,13 +98,14 @@ typedef struct {
 typedef struct {
     ssv_status_t status; ///< SSV_OK, SSV_INFEASIBLE or SSV_NUMERIC_OVERFLOW
     uint64_t scenario_hash;
-    real_t cost;            ///< [-] J = W1 time_s + W2 impulse_Ns
-    real_t lower_bound;     ///< [-] no plan costs less; see ssv_lower_bound
-    real_t time_s;          ///< [s] start to docked
-    real_t impulse_Ns;      ///< [N s]
-    ssv_candidate_t choice; ///< the candidate that costs least
-    int num_priced;         ///< ways to fly that were priced: grasps, turning axes, travel attitudes
-    int num_candidates;     ///< 0 unless asked for (scenario.want_candidates), or SSV_INFEASIBLE
+    real_t cost;                   ///< [-] J = W1 time_s + W2 impulse_Ns
+    real_t lower_bound;            ///< [-] no plan costs less; see ssv_lower_bound
+    real_t time_s;                 ///< [s] start to docked
+    real_t impulse_Ns;             ///< [N s]
+    ssv_candidate_t choice;        ///< the candidate that costs least
+    pose_t X_IS_final, X_IB_final; ///< vehicle and beam when docked: where the next task starts
+    int num_priced;                ///< ways to fly that were priced: grasps, turning axes, travel attitudes
+    int num_candidates;            ///< 0 unless asked for (scenario.want_candidates), or SSV_INFEASIBLE
     ssv_candidate_t candidate[SSV_MAX_CANDIDATES];
 } ssv_quote_t;
 
@@ -121,7 +122,6 @@ typedef struct {
     int num_events;
     ssv_event_t event[SSV_MAX_EVENTS];
     pose_t X_SB; ///< beam in the vehicle's frame, once mated
-    pose_t X_IS_final, X_IB_final;
 } ssv_plan_t;
 
 /// What time and impulse can be traded for: no point is better than another in both. In order of growing time.

@@ -74,7 +74,8 @@ typedef struct {
 /// A checked scenario with what follows from it. Made by `ssv_problem_init` only, constant afterwards; its fields are
 /// not API.
 typedef struct {
-    ssv_scenario_t scenario; ///< as given, with quaternions and directions normalised and the heights filled in
+    ssv_scenario_t scenario; ///< as given, with quaternions and directions normalised, the heights filled in, and
+                             ///< vehicle.force_max_N less the reserve
     uint64_t scenario_hash;
     ssv_allocation_t allocation;
 } ssv_problem_t;

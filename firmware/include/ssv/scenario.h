@@ -88,6 +88,7 @@ typedef struct {
     real_t weight_time_per_s; ///< [1/s] [0, 1000] W1 of J = W1 T + W2 F (paper Eq. 16); legs are shaped as if >= 0.01 N
                               ///< x W2
     real_t weight_impulse_per_Ns; ///< [1/(N s)] [0, 1000] W2; not both zero
+    real_t thrust_reserve; ///< [-] [0, 0.9) share of every thruster that the plan leaves for tracking; 0.9 is refused
     ssv_method_t method;
     ssv_effort_t effort;    ///< of SSV_METHOD_OPTIMAL
     int num_attach_heights; ///< [0, SSV_MAX_ATTACH_HEIGHTS]; 0 = the three rings +length/2, 0, -length/2 (paper Eq. 3)

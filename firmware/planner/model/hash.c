@@ -39,6 +39,7 @@ static uint64_t hash_pose(uint64_t hash, const pose_t* value) {
 #define HASH_ENUM(type) HASH_INT
 #define HASH_HEIGHT(k) (k) >= scenario->num_attach_heights ? hash : HASH_REAL
 #define HASH_RING(value) hash_real(hash, scenario->ring_angle_given ? (value) : REAL(0))
+#define HASH_ADDED(value) (value) == REAL(0) ? hash : HASH_REAL(value)
 #define HASH_FIELD(kind, core, wire, min, max, unit, text) hash = HASH_##kind(scenario->core);
 
 // Of a body that stands by itself.
@@ -133,6 +134,6 @@ uint64_t ssv_plan_hash(const ssv_plan_t* plan) {
         hash = hash_int(hash_real(hash, plan->event[k].t_s), (int)plan->event[k].kind);
     }
     hash = hash_pose(hash, &plan->X_SB);
-    hash = hash_pose(hash, &plan->X_IS_final);
-    return hash_pose(hash, &plan->X_IB_final);
+    hash = hash_pose(hash, &plan->quote.X_IS_final);
+    return hash_pose(hash, &plan->quote.X_IB_final);
 }

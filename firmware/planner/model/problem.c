@@ -65,6 +65,7 @@ static quat_t check_quat(checker_t* checker, const char* field, quat_t q, real_t
     if ((k) < s->num_attach_heights) CHECK_REAL
 #define CHECK_RING(field, value, min, max)                                                                             \
     if (s->ring_angle_given) CHECK_REAL(field, value, min, max)
+#define CHECK_ADDED(field, value, min, max) CHECK_REAL(field, value, min, max)
 #define CHECK_FIELD(kind, core, wire, min, max, unit, text) CHECK_##kind(#wire, s->core, min, max)
 
 // Of a body that stands by itself, its paths in order.
@@ -96,6 +97,9 @@ static void check_task(checker_t* checker, ssv_scenario_t* s) {
     SSV_TASK_FIELDS(CHECK_FIELD)
     if (checker->ok && !(s->weight_time_per_s > REAL(0)) && !(s->weight_impulse_per_Ns > REAL(0))) {
         fail(checker, SSV_E_WEIGHTS, "weight_time_per_s", REAL(0), REAL(0), REAL(1000));
+    }
+    if (checker->ok && s->thrust_reserve >= REAL(0.9)) {
+        fail(checker, SSV_E_RANGE, "thrust_reserve", s->thrust_reserve, REAL(0), REAL(0.9));
     }
 }
 
@@ -130,6 +134,8 @@ ssv_status_t ssv_problem_init(ssv_problem_t* problem, const ssv_scenario_t* scen
         fail(&checker, SSV_E_SINGULAR, "vehicle.thruster", REAL(0), REAL(0), REAL(0));
     }
     if (!checker.ok) return fault->status;
+    // From here on the thrusters are those that the plan may use.
+    s.vehicle.force_max_N = real_mul(s.vehicle.force_max_N, REAL(1) - s.thrust_reserve);
     problem->scenario = s;
     problem->scenario_hash = ssv_scenario_hash(scenario);
     problem->allocation = allocation;

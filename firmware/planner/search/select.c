@@ -255,6 +255,13 @@ void ssv_quote_finish_price(const ssv_question_t* question, const ssv_path_t* pa
     quote->time_s = quote->choice.time_s;
     quote->impulse_Ns = quote->choice.impulse_Ns;
     quote->lower_bound = ssv_least_price(question);
+    quote->X_IS_final = question->problem->scenario.X_IS;
+    for (int k = 0; k < path->num_maneuvers; k++) {
+        const ssv_maneuver_t* maneuver = &path->maneuver[k];
+        if (!(maneuver->length > REAL(0))) continue;
+        quote->X_IS_final = ssv_maneuver_pose(quote->X_IS_final, maneuver->twist, maneuver->length);
+    }
+    quote->X_IB_final = pose_mul(quote->X_IS_final, path->X_SB);
     for (int k = 0; k < quote->num_candidates; k++) {
         ssv_candidate_t* candidate = &quote->candidate[k];
         const bool chosen =
