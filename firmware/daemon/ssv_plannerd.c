@@ -1,4 +1,4 @@
-// ssv-plannerd: answers scenarios that arrive over LCM. What it promises is in its --help, below.
+// ssv-plannerd: answers questions that arrive over LCM. What it promises is in its --help, below.
 #define _GNU_SOURCE
 #include <argp.h>
 #include <errno.h>
@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/random.h>
 #include <sys/signalfd.h>
 #include <time.h>
 #include <unistd.h>
@@ -15,60 +16,56 @@
 #include <lcm/lcm.h>
 
 #include "channels.h"
+#include "drops.h"
 #include "lcm_ssv_planner_status_t.h"
 #include "log.h"
+#include "questions.h"
 #include "ssv/answer.h"
+#include "ssv/check.h"
 
 #define STATUS_PERIOD_US INT64_C(1000000)
-/// Answers kept for repeated request ids.
-#define STORE_SIZE 256
-/// Questions waiting for their turn. No more than STORE_SIZE, so that the answer to an id that waits here twice is
-/// still stored when the second one's turn comes.
-#define PENDING_SIZE 256
-/// Questions of each kind that liblcm holds for us beyond those; when that is full too it drops the newest.
+/// A turn ends after this time, at the end of a slice; the longest slice is some 25 ms more.
+#define TURN_US INT64_C(20000)
+/// Questions of different askers that may be under way at once.
+#define NUM_DESKS 8
+/// Datagrams of each kind that liblcm holds for us until we take them; when that is full it drops the newest.
 #define LCM_QUEUE_SIZE 1024
+#define QUESTION_BYTES_MAX 16384
 #define ANSWER_BYTES_MAX                                                                                               \
     (SSV_QUOTE_BATCH_BYTES_MAX > SSV_PLAN_BYTES_MAX ? SSV_QUOTE_BATCH_BYTES_MAX : SSV_PLAN_BYTES_MAX)
+/// Memory that grows by this much more is worth a line in the log.
+#define GROWTH_BYTES (INT64_C(32) << 20)
 
 enum { EXIT_LCM = 4 };
 
-/// Each kind of question has its own ids.
-typedef enum { ASK_PLAN, ASK_QUOTES } kind_t;
-
+/// A question that is worked on, with the memory for its answer. A scenario counts as a batch of one.
 typedef struct {
-    kind_t kind;
-    int64_t request_id;
-    int size; // bytes in use; 0 = free
-    uint8_t bytes[ANSWER_BYTES_MAX];
-} stored_t;
-
-/// A scenario waits as a batch of one.
-typedef struct {
-    kind_t kind;
-    lcm_ssv_scenario_batch_t question;
+    waiting_t* question; ///< NULL = free
+    lcm_ssv_scenario_batch_t batch;
     lcm_ssv_scenario_t scenarios[SSV_MAX_BATCH];
-    bool valid; // one of them at least
-} pending_t;
+    union {
+        ssv_answer_t plan;
+        ssv_batch_answer_t quotes;
+    } answer;
+    int64_t spent_us;    ///< on it so far
+    int64_t scenario_us; ///< on the scenario under way
+} desk_t;
 
-/// Everything the daemon knows: some 17 MB, static, so that no message makes it allocate; most of that is never
-/// touched.
+/// Everything the daemon knows, static, so that no message makes it allocate; most of it is never touched.
 typedef struct {
     lcm_t* lcm;
-    lcm_subscription_t *scenario_subscription, *batch_subscription;
     int signal_fd;
     int64_t started_us, next_status_us;
-    int64_t newest_epoch_us; // of the valid questions; 0 accepts any
     int64_t publish_failures;
-    int64_t undecodable_reported;    // status.rejected_undecodable when the log last spoke of it
-    lcm_ssv_planner_status_t status; // its counters are ours
-    pending_t pending[PENDING_SIZE]; // ring
-    int pending_first, pending_count;
-    stored_t store[STORE_SIZE]; // ring
-    int store_next;
-    ssv_answer_t answer;
-    ssv_batch_answer_t quotes;
-    bool quoting;       // the first of those that wait is a batch of which some are priced
-    int64_t quoting_us; // spent on it so far
+    int64_t undecodable_reported, crowded_reported, lost_reported; ///< counters when the log last spoke of them
+    int64_t resident_reported;
+    lcm_ssv_planner_status_t status; ///< its counters are ours
+    questions_t questions;
+    uint8_t question_bytes[QUESTIONS_MAX * QUESTION_BYTES_MAX];
+    uint8_t answer_bytes[ANSWERS_MAX * ANSWER_BYTES_MAX];
+    desk_t desk[NUM_DESKS];
+    desk_t refusal; ///< where answers are made that need no work
+    uint8_t message[ANSWER_BYTES_MAX];
     uint8_t status_bytes[512];
 } plannerd_t;
 
@@ -86,88 +83,9 @@ static void publish(plannerd_t* self, const char* channel, const uint8_t* bytes,
     }
 }
 
-static const stored_t* store_find(const plannerd_t* self, kind_t kind, int64_t request_id) {
-    for (int i = 0; i < STORE_SIZE; i++) {
-        const stored_t* stored = &self->store[i];
-        if (stored->size > 0 && stored->kind == kind && stored->request_id == request_id) {
-            return stored;
-        }
-    }
-    return NULL;
-}
-
-static bool pending_has(const plannerd_t* self, kind_t kind, int64_t request_id) {
-    for (int i = 0; i < self->pending_count; i++) {
-        const pending_t* pending = &self->pending[(self->pending_first + i) % PENDING_SIZE];
-        if (pending->kind == kind && pending->question.request_id == request_id) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool question_is_valid(const lcm_ssv_scenario_batch_t* question) {
-    for (int i = 0; i < question->num_scenarios && question->epoch_us >= 0; i++) {
-        ssv_scenario_t scenario;
-        ssv_problem_t problem;
-        ssv_fault_t fault;
-        ssv_scenario_from_wire(&scenario, &question->scenarios[i]);
-        if (ssv_problem_init(&problem, &scenario, &fault) == SSV_OK) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/// Decodes one datagram into the slot. @return false if it is no question of that kind.
-static bool decode(const lcm_recv_buf_t* datagram, kind_t kind, pending_t* slot) {
-    if (kind == ASK_QUOTES) {
-        return ssv_scenario_batch_decode(datagram->data, datagram->data_size, slot->scenarios, &slot->question);
-    }
-    const int size = (int)datagram->data_size;
-    lcm_ssv_scenario_t* scenario = &slot->scenarios[0];
-    if (size < 0 || lcm_ssv_scenario_t_decode(datagram->data, 0, size, scenario) != size) {
-        return false;
-    }
-    slot->question = (lcm_ssv_scenario_batch_t){1, scenario->request_id, scenario->epoch_us, slot->scenarios};
-    return true;
-}
-
-/// Takes one datagram off its channel. There is room: `drain` sees to it.
-static void on_question(const lcm_recv_buf_t* datagram, const char* channel, void* user) {
-    plannerd_t* self = user;
-    const kind_t kind = strcmp(channel, CHANNEL_BATCH) == 0 ? ASK_QUOTES : ASK_PLAN;
-    pending_t* slot = &self->pending[(self->pending_first + self->pending_count) % PENDING_SIZE];
-    self->status.received++;
-    if (!decode(datagram, kind, slot)) {
-        self->status.rejected_undecodable++;
-        log_line(LOG_DEBUG, "%u bytes on %s are not a %s", datagram->data_size,
-                 kind == ASK_QUOTES ? CHANNEL_BATCH : CHANNEL_SCENARIO, kind == ASK_QUOTES ? "batch" : "scenario");
-        return;
-    }
-    slot->kind = kind;
-    slot->valid = question_is_valid(&slot->question);
-    const int64_t id = slot->question.request_id;
-    const bool repeated = store_find(self, kind, id) != NULL || pending_has(self, kind, id);
-    if (slot->valid && !repeated && slot->question.epoch_us > self->newest_epoch_us) {
-        self->newest_epoch_us = slot->question.epoch_us;
-    }
-    self->pending_count++;
-}
-
-/// Moves what liblcm holds into our ring. Bounded also where nothing stays in the ring: datagrams that are no questions
-/// may come faster than they go. @return false when the transport is gone.
-static bool drain(plannerd_t* self) {
-    int handled = 1;
-    for (int i = 0; i < LCM_QUEUE_SIZE && self->pending_count < PENDING_SIZE && handled > 0; i++) {
-        handled = lcm_handle_timeout(self->lcm, 0);
-    }
-    return handled >= 0;
-}
-
-static void count_answer(lcm_ssv_planner_status_t* status, kind_t kind, ssv_status_t outcome) {
+static void count_answer(lcm_ssv_planner_status_t* status, int64_t* good, ssv_status_t outcome) {
     switch (outcome) {
-        case SSV_OK: kind == ASK_PLAN ? status->accepted++ : status->quoted++; break;
+        case SSV_OK: (*good)++; break;
         case SSV_INFEASIBLE: status->infeasible++; break;
         case SSV_NUMERIC_OVERFLOW: status->numeric_overflow++; break;
         case SSV_E_NOT_FINITE: status->rejected_not_finite++; break;
@@ -180,170 +98,308 @@ static void count_answer(lcm_ssv_planner_status_t* status, kind_t kind, ssv_stat
 
 static void note_time(int64_t spent_us, int64_t* last_us, int64_t* worst_us) {
     *last_us = spent_us;
-    if (spent_us > *worst_us) {
-        *worst_us = spent_us;
-    }
+    if (spent_us > *worst_us) *worst_us = spent_us;
 }
 
-/// Whether the question is older than another one seen, and the words for it.
-static bool is_stale(const plannerd_t* self, const pending_t* next, char* reason, size_t size) {
-    const int64_t epoch_us = next->question.epoch_us;
-    snprintf(reason, size, "epoch_us: %" PRId64 " is older than %" PRId64 ", the newest one seen", epoch_us,
-             self->newest_epoch_us);
-    return next->valid && epoch_us < self->newest_epoch_us;
+static const char* status_word(int8_t status) {
+    return status == LCM_SSV_QUOTE_T_STATUS_INVALID      ? "invalid"
+           : status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE ? "infeasible"
+           : status == LCM_SSV_QUOTE_T_STATUS_OK         ? "ok"
+                                                         : "numeric overflow";
 }
 
-/// Plans a scenario that was not answered before.
-static void plan_new(plannerd_t* self, const pending_t* next) {
-    const lcm_ssv_scenario_t* question = &next->scenarios[0];
-    const lcm_ssv_plan_t* wire = &self->answer.wire;
-    const lcm_ssv_quote_t* quote = &wire->quote;
-    char reason[160];
-    if (is_stale(self, next, reason, sizeof reason)) {
-        ssv_answer_refuse(question, reason, &self->answer);
-        self->status.rejected_stale_epoch++;
-        log_line(LOG_INFO, "scenario %" PRId64 ": invalid: %s", question->request_id, reason);
-        return;
-    }
+// ---- Kinds of questions ---------------------------------------------------------------------------------------------
+
+static bool scenario_decode(const void* data, int size, desk_t* desk) {
+    lcm_ssv_scenario_t* scenario = &desk->scenarios[0];
+    if (lcm_ssv_scenario_t_decode(data, 0, size, scenario) != size) return false;
+    desk->batch = (lcm_ssv_scenario_batch_t){scenario->asker, 1, desk->scenarios};
+    return true;
+}
+
+static bool batch_decode(const void* data, int size, desk_t* desk) {
+    return size >= 0 && ssv_scenario_batch_decode(data, (size_t)size, desk->scenarios, &desk->batch);
+}
+
+static void plan_begin(plannerd_t* self, desk_t* desk, uint64_t hash) {
+    (void)hash; // that of one scenario is soon had
+    ssv_answer_begin(&desk->scenarios[0], &self->status.planner, &desk->answer.plan);
+}
+
+static void quotes_begin(plannerd_t* self, desk_t* desk, uint64_t hash) {
+    self->status.batches++;
+    ssv_answer_batch_begin(&desk->batch, hash, &self->status.planner, &desk->answer.quotes);
+}
+
+static void plan_refuse(desk_t* desk, const char* reason) { ssv_answer_refuse(reason, &desk->answer.plan); }
+
+static void quotes_refuse(desk_t* desk, const char* reason) {
+    ssv_answer_batch_refuse(&desk->batch, reason, &desk->answer.quotes);
+}
+
+static bool plan_step(plannerd_t* self, desk_t* desk) {
     const int64_t start_us = now_us();
-    const ssv_status_t outcome = ssv_answer(question, &self->answer);
-    const int64_t plan_us = now_us() - start_us;
-    count_answer(&self->status, ASK_PLAN, outcome);
-    if (outcome < 0) {
-        log_line(LOG_INFO, "scenario %" PRId64 ": invalid: %s", question->request_id, quote->reason);
-        return;
-    }
-    note_time(plan_us, &self->status.last_plan_us, &self->status.worst_plan_us);
-    const double plan_ms = (double)plan_us / 1e3;
-    if (outcome != SSV_OK) {
-        log_line(LOG_INFO, "scenario %" PRId64 ": %s after %.3f ms: %s", question->request_id,
-                 outcome == SSV_INFEASIBLE ? "infeasible" : "numeric overflow", plan_ms, quote->reason);
-    } else {
-        log_line(LOG_INFO,
-                 "scenario %" PRId64 ": ok, J %.6g, %.6g s, %.6g N s, %d segments, %d bytes, planned in %.3f ms",
-                 question->request_id, quote->cost, quote->time_s, quote->impulse_Ns, wire->num_segments,
-                 lcm_ssv_plan_t_encoded_size(wire), plan_ms);
-    }
+    const bool done = ssv_answer_step(&desk->scenarios[0], &desk->answer.plan);
+    desk->spent_us += now_us() - start_us;
+    if (!done) return false;
+    const ssv_status_t outcome = desk->answer.plan.working.status;
+    count_answer(&self->status, &self->status.accepted, outcome);
+    if (outcome >= 0) note_time(desk->spent_us, &self->status.last_plan_us, &self->status.worst_plan_us);
+    return true;
 }
 
-static void log_quotes(const plannerd_t* self) {
-    const lcm_ssv_quote_batch_t* wire = &self->quotes.wire;
+static bool quotes_step(plannerd_t* self, desk_t* desk) {
+    ssv_batch_answer_t* answer = &desk->answer.quotes;
+    const int64_t start_us = now_us();
+    const bool done = ssv_answer_batch_step(&desk->batch, answer);
+    const int64_t slice_us = now_us() - start_us;
+    desk->spent_us += slice_us;
+    desk->scenario_us += slice_us;
+    if (answer->scenario_done) {
+        const ssv_status_t outcome = answer->working.status;
+        count_answer(&self->status, &self->status.quoted, outcome);
+        if (outcome >= 0) note_time(desk->scenario_us, &self->status.last_quote_us, &self->status.worst_quote_us);
+        desk->scenario_us = 0;
+    }
+    return done;
+}
+
+static int plan_encode(const desk_t* desk, uint8_t bytes[ANSWER_BYTES_MAX]) {
+    return lcm_ssv_plan_t_encode(bytes, 0, ANSWER_BYTES_MAX, &desk->answer.plan.wire);
+}
+
+static int quotes_encode(const desk_t* desk, uint8_t bytes[ANSWER_BYTES_MAX]) {
+    return lcm_ssv_quote_batch_t_encode(bytes, 0, ANSWER_BYTES_MAX, &desk->answer.quotes.wire);
+}
+
+static void plan_log(const desk_t* desk) {
+    const lcm_ssv_plan_t* wire = &desk->answer.plan.wire;
+    const lcm_ssv_quote_t* quote = &wire->quote;
+    const int64_t id = wire->answer.asker.request_id;
+    const double spent_ms = (double)desk->spent_us / 1e3;
+    if (quote->status != LCM_SSV_QUOTE_T_STATUS_OK) {
+        log_line(LOG_INFO, "scenario %016" PRIx64 ": %s after %.3f ms: %s", (uint64_t)id, status_word(quote->status),
+                 spent_ms, quote->reason);
+        return;
+    }
+    log_line(LOG_INFO, "scenario %016" PRIx64 ": ok, J %.6g, %.6g s, %.6g N s, %d segments, planned in %.3f ms",
+             (uint64_t)id, quote->cost, quote->time_s, quote->impulse_Ns, wire->num_segments, spent_ms);
+}
+
+static void quotes_log(const desk_t* desk) {
+    const lcm_ssv_quote_batch_t* wire = &desk->answer.quotes.wire;
+    const uint64_t id = (uint64_t)wire->answer.asker.request_id;
     int num_ok = 0;
     for (int i = 0; i < wire->num_quotes; i++) {
         const lcm_ssv_quote_t* quote = &wire->quotes[i];
         if (quote->status == LCM_SSV_QUOTE_T_STATUS_OK) {
             num_ok++;
-            continue;
+        } else {
+            log_line(LOG_INFO, "batch %016" PRIx64 ", scenario %d: %s: %s", id, i, status_word(quote->status),
+                     quote->reason);
         }
-        log_line(LOG_INFO, "batch %" PRId64 ", scenario %d: %s: %s", wire->request_id, i,
-                 quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID      ? "invalid"
-                 : quote->status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE ? "infeasible"
-                                                                      : "numeric overflow",
-                 quote->reason);
     }
-    log_line(LOG_INFO, "batch %" PRId64 ": %d of %d scenarios ok, %d bytes, priced in %.3f ms", wire->request_id,
-             num_ok, wire->num_quotes, lcm_ssv_quote_batch_t_encoded_size(wire), (double)self->quoting_us / 1e3);
+    log_line(LOG_INFO, "batch %016" PRIx64 ": %d of %d scenarios ok, priced in %.3f ms", id, num_ok, wire->num_quotes,
+             (double)desk->spent_us / 1e3);
 }
 
-/// Prices the next scenario of a batch that was not answered before. @return whether that was the last one.
-static bool quote_new(plannerd_t* self, const pending_t* next) {
-    const lcm_ssv_scenario_batch_t* question = &next->question;
-    if (!self->quoting) {
-        self->quoting_us = 0;
-        self->status.batches++;
-        char reason[160];
-        if (is_stale(self, next, reason, sizeof reason)) {
-            ssv_answer_batch_refuse(question, reason, &self->quotes);
-            self->status.rejected_stale_epoch += question->num_scenarios;
-            log_quotes(self);
-            return true;
-        }
-        ssv_answer_batch_begin(question, &self->quotes);
+/// What there is to a kind of question.
+static const struct {
+    const char *channel_in, *channel_out, *what;
+    bool (*decode)(const void* data, int size, desk_t* desk); ///< whether it is such a question, through and through
+    void (*begin)(plannerd_t* self, desk_t* desk, uint64_t hash);
+    bool (*step)(plannerd_t* self, desk_t* desk); ///< whether it is answered
+    void (*refuse)(desk_t* desk, const char* reason);
+    int (*encode)(const desk_t* desk, uint8_t bytes[ANSWER_BYTES_MAX]);
+    void (*log)(const desk_t* desk);
+} kinds[] = {
+    {CHANNEL_SCENARIO, CHANNEL_PLAN, "scenario", scenario_decode, plan_begin, plan_step, plan_refuse, plan_encode,
+     plan_log},
+    {CHANNEL_BATCH, CHANNEL_QUOTES, "batch", batch_decode, quotes_begin, quotes_step, quotes_refuse, quotes_encode,
+     quotes_log},
+};
+
+#define NUM_KINDS ((int)(sizeof kinds / sizeof kinds[0]))
+
+// ---- What arrives ---------------------------------------------------------------------------------------------------
+
+/// Answers with a refusal that needs no work and is not kept.
+static void refuse_at_once(plannerd_t* self, const question_key_t* key, const char* reason) {
+    desk_t* desk = &self->refusal;
+    desk->spent_us = 0;
+    kinds[key->kind].begin(self, desk, key->hash);
+    kinds[key->kind].refuse(desk, reason);
+    kinds[key->kind].log(desk);
+    const int size = kinds[key->kind].encode(desk, self->message);
+    if (size > 0) publish(self, kinds[key->kind].channel_out, self->message, size);
+}
+
+/// Takes one datagram off its channel: it waits for its turn, or has its answer at once.
+static void on_question(const lcm_recv_buf_t* datagram, const char* channel, void* user) {
+    plannerd_t* self = user;
+    desk_t* desk = &self->refusal;
+    int kind = 0;
+    while (kind < NUM_KINDS && strcmp(channel, kinds[kind].channel_in) != 0) kind++;
+    self->status.received++;
+    const bool fits = datagram->data_size <= QUESTION_BYTES_MAX;
+    if (kind == NUM_KINDS || !fits || !kinds[kind].decode(datagram->data, (int)datagram->data_size, desk)) {
+        self->status.rejected_undecodable++;
+        log_line(LOG_DEBUG, "%u bytes on %s are not what belongs there", datagram->data_size, channel);
+        return;
     }
-    const int64_t start_us = now_us();
-    const ssv_status_t outcome = ssv_answer_batch_next(question, &self->quotes);
-    const int64_t quote_us = now_us() - start_us;
-    self->quoting_us += quote_us;
-    count_answer(&self->status, ASK_QUOTES, outcome);
-    if (outcome >= 0) {
-        note_time(quote_us, &self->status.last_quote_us, &self->status.worst_quote_us);
+    const lcm_ssv_asker_t* asker = &desk->batch.asker;
+    if (asker->planner_id != 0 && asker->planner_id != self->status.planner.planner_id) {
+        self->status.not_for_us++;
+        return;
     }
-    self->quoting = self->quotes.wire.num_quotes < question->num_scenarios;
-    if (self->quoting) {
-        return false;
+    const question_key_t key = {.kind = kind,
+                                .asker_id = asker->asker_id,
+                                .request_id = asker->request_id,
+                                .epoch_us = asker->epoch_us,
+                                .hash = ssv_question_hash(datagram->data, datagram->data_size)};
+    const kept_answer_t* answer = NULL;
+    switch (questions_admit(&self->questions, &key, datagram->data, (int)datagram->data_size, &answer)) {
+        case ADMIT_NEW:
+        case ADMIT_WAITING:
+        case ADMIT_CROWDED: break; // an answer to come; another copy of one; counted
+        case ADMIT_ANSWERED:
+            self->status.repeated++;
+            log_line(LOG_INFO, "%s %016" PRIx64 ": asked again, stored answer sent again", kinds[kind].what,
+                     (uint64_t)key.request_id);
+            publish(self, kinds[kind].channel_out, answer->bytes, answer->size);
+            break;
+        case ADMIT_REUSED:
+            self->status.rejected_reused_id += desk->batch.num_scenarios;
+            refuse_at_once(self, &key,
+                           "asker.request_id: stands for another question of this asker; take a new one for each");
+            break;
     }
-    log_quotes(self);
+}
+
+/// Takes what liblcm holds. Bounded: datagrams may come faster than they go. @return false when the transport is gone.
+static bool drain(plannerd_t* self) {
+    int handled = 1;
+    for (int i = 0; i < LCM_QUEUE_SIZE && handled > 0; i++) handled = lcm_handle_timeout(self->lcm, 0);
+    return handled >= 0;
+}
+
+// ---- Turns ----------------------------------------------------------------------------------------------------------
+
+static desk_t* desk_of(plannerd_t* self, const waiting_t* question) {
+    for (int i = 0; i < NUM_DESKS; i++) {
+        if (self->desk[i].question == question) return &self->desk[i];
+    }
+    return NULL;
+}
+
+/// Sits down to a question. @return whether it is refused, being older than another one of its asker's.
+static bool begin(plannerd_t* self, desk_t* desk, waiting_t* question) {
+    const int kind = question->key.kind;
+    desk->question = question;
+    desk->spent_us = desk->scenario_us = 0;
+    question->begun = true;
+    (void)kinds[kind].decode(question->bytes, question->size, desk); // it did when it came
+    kinds[kind].begin(self, desk, question->key.hash);
+    if (!questions_is_stale(question)) return false;
+    char reason[160];
+    snprintf(reason, sizeof reason, "asker.epoch_us: %" PRId64 " is older than %" PRId64 ", the newest of this asker",
+             question->key.epoch_us, question->asker->newest_epoch_us);
+    self->status.rejected_stale_epoch += desk->batch.num_scenarios;
+    kinds[kind].refuse(desk, reason);
     return true;
 }
 
-/// Encodes the answer to the question into the store, over the oldest one there. @return NULL if it is too long.
-static const stored_t* store_answer(plannerd_t* self, const pending_t* question) {
-    stored_t* slot = &self->store[self->store_next];
-    self->store_next = (self->store_next + 1) % STORE_SIZE;
-    slot->kind = question->kind;
-    slot->request_id = question->question.request_id;
-    slot->size = slot->kind == ASK_PLAN
-                     ? lcm_ssv_plan_t_encode(slot->bytes, 0, sizeof slot->bytes, &self->answer.wire)
-                     : lcm_ssv_quote_batch_t_encode(slot->bytes, 0, sizeof slot->bytes, &self->quotes.wire);
-    if (slot->size < 0) {
-        log_line(LOG_ERROR, "the answer to %" PRId64 " is longer than %d bytes", slot->request_id, ANSWER_BYTES_MAX);
-        return NULL;
-    }
-    return slot;
+static void finish(plannerd_t* self, desk_t* desk) {
+    waiting_t* question = desk->question;
+    const int kind = question->key.kind;
+    const int size = kinds[kind].encode(desk, self->message);
+    kinds[kind].log(desk);
+    if (size < 0) log_line(LOG_ERROR, "an answer is longer than %d bytes", ANSWER_BYTES_MAX);
+    self->status.last_request_id = question->key.request_id;
+    questions_done(&self->questions, question, self->message, size > 0 ? size : 0);
+    desk->question = NULL;
+    if (size > 0) publish(self, kinds[kind].channel_out, self->message, size);
 }
 
-/// Answers the question whose turn it is; of a batch it prices one scenario, and the turn remains until all are.
-static void answer_next(plannerd_t* self) {
-    const pending_t* next = &self->pending[self->pending_first];
-    const int64_t id = next->question.request_id;
-    const bool is_plan = next->kind == ASK_PLAN;
-    const stored_t* answer = self->quoting ? NULL : store_find(self, next->kind, id);
-    if (answer != NULL) {
-        self->status.repeated++;
-        log_line(LOG_INFO, "%s %" PRId64 ": repeated, stored answer sent again", is_plan ? "scenario" : "batch", id);
+/// Gives the next asker its turn. @return false if nobody waits.
+static bool take_turn(plannerd_t* self) {
+    desk_t* desk = desk_of(self, NULL);
+    waiting_t* question = questions_next(&self->questions, desk == NULL);
+    if (question == NULL) return false;
+    bool done = false;
+    if (question->begun) {
+        desk = desk_of(self, question);
     } else {
-        if (is_plan) {
-            plan_new(self, next);
-        } else if (!quote_new(self, next)) {
-            return;
-        }
-        answer = store_answer(self, next);
+        done = begin(self, desk, question);
     }
-    self->status.last_request_id = id;
-    self->pending_first = (self->pending_first + 1) % PENDING_SIZE;
-    self->pending_count--;
-    if (answer != NULL) {
-        publish(self, is_plan ? CHANNEL_PLAN : CHANNEL_QUOTES, answer->bytes, answer->size);
+    const int64_t end_us = now_us() + TURN_US;
+    while (!done && now_us() < end_us) done = kinds[question->key.kind].step(self, desk);
+    if (done) {
+        finish(self, desk);
+    } else {
+        questions_yield(&self->questions, question);
     }
+    return true;
 }
 
-/// The sign of life, when it is due, and what went wrong since the last one.
-static void report(plannerd_t* self) {
-    const int64_t now = now_us();
-    if (now < self->next_status_us) {
-        return;
-    }
-    // From the due time, not from now, so that the rate does not drift; after a long stop, afresh.
-    self->next_status_us += STATUS_PERIOD_US;
-    if (self->next_status_us <= now) {
-        self->next_status_us = now + STATUS_PERIOD_US;
-    }
-    self->status.uptime_us = now - self->started_us;
-    const int size = lcm_ssv_planner_status_t_encode(self->status_bytes, 0, sizeof self->status_bytes, &self->status);
-    publish(self, CHANNEL_STATUS, self->status_bytes, size);
+// ---- The sign of life -----------------------------------------------------------------------------------------------
 
-    const int64_t undecodable = self->status.rejected_undecodable - self->undecodable_reported;
-    if (undecodable > 0) {
+/// Memory in use [B], 0 where that cannot be told.
+static int64_t resident_bytes(void) {
+    long long pages = 0;
+    FILE* file = fopen("/proc/self/statm", "r");
+    if (file == NULL) return 0;
+    const int read = fscanf(file, "%*s %lld", &pages);
+    fclose(file);
+    return read == 1 ? pages * sysconf(_SC_PAGESIZE) : 0;
+}
+
+/// Tells the log what went wrong since it was last told.
+static void report_troubles(plannerd_t* self) {
+    lcm_ssv_planner_status_t* status = &self->status;
+    if (status->rejected_undecodable > self->undecodable_reported) {
         log_line(LOG_WARN,
                  "%" PRId64 " datagrams on " CHANNEL_SCENARIO " or " CHANNEL_BATCH
                  " were not what belongs there; is their sender of another version?",
-                 undecodable);
-        self->undecodable_reported = self->status.rejected_undecodable;
+                 status->rejected_undecodable - self->undecodable_reported);
+        self->undecodable_reported = status->rejected_undecodable;
     }
-    if (lcm_subscription_get_queue_size(self->scenario_subscription) >= LCM_QUEUE_SIZE ||
-        lcm_subscription_get_queue_size(self->batch_subscription) >= LCM_QUEUE_SIZE) {
-        log_line(LOG_WARN, "more questions arrive than can be answered: some are lost");
+    if (status->crowded_out > self->crowded_reported) {
+        log_line(LOG_WARN, "%" PRId64 " questions were given up: some asker asks faster than can be answered",
+                 status->crowded_out - self->crowded_reported);
+        self->crowded_reported = status->crowded_out;
     }
+    if (status->datagrams_lost > self->lost_reported) {
+        log_line(LOG_WARN, "%" PRId64 " datagrams were lost in this machine: the receive buffer was full",
+                 status->datagrams_lost - self->lost_reported);
+        self->lost_reported = status->datagrams_lost;
+    }
+    if (self->resident_reported == 0) self->resident_reported = status->resident_bytes;
+    if (status->resident_bytes > self->resident_reported + GROWTH_BYTES) {
+        log_line(LOG_WARN,
+                 "memory has grown to %" PRId64 " MB: are there ever new channel names on the bus? liblcm keeps each",
+                 status->resident_bytes >> 20);
+        self->resident_reported = status->resident_bytes;
+    }
+}
+
+/// The sign of life, when it is due.
+static void report(plannerd_t* self) {
+    const int64_t now = now_us();
+    if (now < self->next_status_us) return;
+    // From the due time, not from now, so that the rate does not drift; after a long stop, afresh.
+    self->next_status_us += STATUS_PERIOD_US;
+    if (self->next_status_us <= now) self->next_status_us = now + STATUS_PERIOD_US;
+    lcm_ssv_planner_status_t* status = &self->status;
+    status->uptime_us = now - self->started_us;
+    status->crowded_out = self->questions.num_crowded;
+    status->waiting = self->questions.num_waiting;
+    status->datagrams_lost = drops_count();
+    status->log_lines_lost = log_lines_lost();
+    status->resident_bytes = resident_bytes();
+    const int size = lcm_ssv_planner_status_t_encode(self->status_bytes, 0, sizeof self->status_bytes, status);
+    publish(self, CHANNEL_STATUS, self->status_bytes, size);
+    report_troubles(self);
 }
 
 static bool asked_to_stop(const plannerd_t* self) {
@@ -358,8 +414,7 @@ static void wait_for_work(const plannerd_t* self) {
     poll(fds, 2, wait_us > 0 ? (int)(wait_us / 1000) + 1 : 0);
 }
 
-/// One scenario per turn, and between any two of them new arrivals, the clock and signals get theirs. @return the exit
-/// code.
+/// Turn after turn, and between any two of them new arrivals, the clock and signals get theirs. @return the exit code.
 static int serve(plannerd_t* self) {
     while (!asked_to_stop(self)) {
         if (!drain(self)) {
@@ -367,20 +422,19 @@ static int serve(plannerd_t* self) {
             return EXIT_LCM;
         }
         report(self);
-        if (self->pending_count > 0) {
-            answer_next(self);
-        } else {
-            wait_for_work(self);
-        }
+        if (!take_turn(self)) wait_for_work(self);
     }
     return EXIT_SUCCESS;
 }
+
+// ---- Start ----------------------------------------------------------------------------------------------------------
 
 /// Signals arrive through a descriptor. Call it before LCM starts its threads, so that they inherit the mask.
 /// @return false on failure.
 static bool open_signals(plannerd_t* self) {
     sigset_t stop;
     sigemptyset(&stop);
+    sigaddset(&stop, SIGHUP);
     sigaddset(&stop, SIGINT);
     sigaddset(&stop, SIGTERM);
     // A reader of our log that goes away must not take the planner along.
@@ -390,20 +444,24 @@ static bool open_signals(plannerd_t* self) {
     return self->signal_fd >= 0;
 }
 
-static lcm_subscription_t* subscribe(plannerd_t* self, const char* channel) {
-    lcm_subscription_t* subscription = lcm_subscribe(self->lcm, channel, on_question, self);
-    const bool sound = subscription != NULL && lcm_subscription_set_queue_capacity(subscription, LCM_QUEUE_SIZE) == 0;
-    return sound ? subscription : NULL;
-}
-
 static bool open_lcm(plannerd_t* self, const char* url) {
     self->lcm = lcm_create(url);
-    if (self->lcm == NULL) {
-        return false;
+    if (self->lcm == NULL) return false;
+    for (int kind = 0; kind < NUM_KINDS; kind++) {
+        lcm_subscription_t* subscription = lcm_subscribe(self->lcm, kinds[kind].channel_in, on_question, self);
+        if (subscription == NULL || lcm_subscription_set_queue_capacity(subscription, LCM_QUEUE_SIZE) != 0) {
+            return false;
+        }
     }
-    self->scenario_subscription = subscribe(self, CHANNEL_SCENARIO);
-    self->batch_subscription = subscribe(self, CHANNEL_BATCH);
-    return self->scenario_subscription != NULL && self->batch_subscription != NULL;
+    return true;
+}
+
+/// Another number for each run, never 0. @return false where the system gives none.
+static bool draw_id(int64_t* id) {
+    do {
+        if (getrandom(id, sizeof *id, 0) != (ssize_t)sizeof *id) return false;
+    } while (*id == 0);
+    return true;
 }
 
 typedef struct {
@@ -418,11 +476,10 @@ static const char manual[] =
     ", and gives a sign of life with counters on " CHANNEL_STATUS
     " once a second."
     "\v"
-    "Each request id is answered once; a repeated id gets the same bytes again, as long as its answer is among the "
-    "last "
-    "256. The newest planning epoch wins: a new question older than the newest valid one seen is refused. Waiting "
-    "questions "
-    "are answered in the order of arrival. The log goes to standard error, one line per answer.\n\n"
+    "Askers take turns, and no one of them can hold up another; a question asked again gets the same bytes again, as "
+    "long as its answer is among the last 256. Of one asker's questions the newest epoch wins. The log goes to "
+    "standard "
+    "error, one line per answer, at most 200 a second; it never waits for its reader.\n\n"
     "LCM's own default URL is udpm://239.255.76.67:7667?ttl=0, this machine only; it needs a multicast route, e.g. "
     "`sudo ip route add 224.0.0.0/4 dev lo`.\n\n"
     "Examples:\n"
@@ -430,7 +487,7 @@ static const char manual[] =
     "  ssv-plannerd --verbose 2> planner.log\n"
     "  ssv-plannerd --lcm-url 'udpm://239.255.76.67:7667?ttl=1'\n\n"
     "Exit codes:\n"
-    "  0   stopped by SIGINT or SIGTERM\n"
+    "  0   stopped by SIGINT, SIGTERM or SIGHUP\n"
     "  1   the system refused something else\n"
     "  4   LCM cannot be opened, or was lost\n"
     "  64  wrong usage\n";
@@ -474,20 +531,23 @@ int main(int argc, char** argv) {
                  url);
         return EXIT_LCM;
     }
+    if (!draw_id(&self.status.planner.planner_id)) {
+        log_line(LOG_ERROR, "the system gives no random number for the planner's id: %s", strerror(errno));
+        return EXIT_FAILURE;
+    }
+    self.status.planner = ssv_planner_identity(self.status.planner.planner_id);
+    questions_init(&self.questions, self.question_bytes, QUESTION_BYTES_MAX, self.answer_bytes, ANSWER_BYTES_MAX);
     self.started_us = now_us();
     self.next_status_us = self.started_us;
-    static char version[] = SSV_VERSION, scalar[] = REAL_NAME; // as long as the status that names them
-    self.status.version = version;
-    self.status.scalar = scalar;
     self.status.scenario_type_hash = __lcm_ssv_scenario_t_get_hash();
     self.status.plan_type_hash = __lcm_ssv_plan_t_get_hash();
     self.status.scenario_batch_type_hash = __lcm_ssv_scenario_batch_t_get_hash();
     self.status.quote_batch_type_hash = __lcm_ssv_quote_batch_t_get_hash();
     self.status.planner_status_type_hash = __lcm_ssv_planner_status_t_get_hash();
     log_line(LOG_INFO,
-             "ssv-plannerd " SSV_VERSION " (" REAL_NAME ") listens for " CHANNEL_SCENARIO " and " CHANNEL_BATCH
-             " at %s",
-             url);
+             "ssv-plannerd " SSV_VERSION " (" REAL_NAME "), planner %016" PRIx64 ", listens for " CHANNEL_SCENARIO
+             " and " CHANNEL_BATCH " at %s",
+             (uint64_t)self.status.planner.planner_id, url);
 
     const int code = serve(&self);
     log_line(LOG_INFO,
