@@ -50,7 +50,7 @@ _ssv_missing_packages() {
         debian13) wanted+=(libglib2.0-0t64) ;;
     esac
     if [[ $2 == tests ]]; then
-        wanted+=(clang libclang-rt-dev default-jdk-headless)
+        wanted+=(clang g++ libclang-rt-dev llvm default-jdk-headless) # llvm: names in the stack traces of findings
         wanted+=(clang-tidy cppcheck) # the target check
         wanted+=(gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm) # tests on bare Cortex-M cores
         # and on other processors with an operating system
