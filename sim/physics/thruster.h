@@ -7,8 +7,6 @@
 #ifndef SIM_THRUSTER_H
 #define SIM_THRUSTER_H
 
-#include <stdbool.h>
-
 #include "random.h"
 
 #define SIM_THRUSTERS 6
@@ -45,7 +43,7 @@ void sim_thruster_init(sim_thruster_bank_t* bank, const sim_thruster_config_t* c
 
 double sim_curve_force(const sim_curve_t* curve, double effort);
 
-/// Takes commands, efforts or newtons; the forces start towards them.
+/// Takes commands, efforts or newtons, all finite; the forces start towards them.
 void sim_thruster_command(sim_thruster_bank_t* bank, const double command[SIM_THRUSTERS]);
 
 /// Force of each thruster after_s after now, under the commands of now.

@@ -1,9 +1,8 @@
 #include "water.h"
 
 #include <math.h>
-#include <stdbool.h>
 
-static bool wanders(const sim_water_config_t* config) {
+bool sim_water_wanders(const sim_water_config_t* config) {
     return config->wander_m_s[0] > 0 || config->wander_m_s[1] > 0 || config->wander_m_s[2] > 0;
 }
 
@@ -16,7 +15,7 @@ void sim_water_init(sim_water_t* water, const sim_water_config_t* config, uint64
 }
 
 void sim_water_step(sim_water_t* water, double dt_s) {
-    if (!wanders(&water->config)) {
+    if (!sim_water_wanders(&water->config)) {
         return;
     }
     const double steps = dt_s / water->config.wander_time_s, kept = exp(-steps), fresh = sqrt(-expm1(-2 * steps));

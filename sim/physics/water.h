@@ -2,6 +2,8 @@
 #ifndef SIM_WATER_H
 #define SIM_WATER_H
 
+#include <stdbool.h>
+
 #include "random.h"
 
 /// All zero: still water.
@@ -17,6 +19,9 @@ typedef struct {
     sim_random_t random;
     double wander_n_m_s[3];
 } sim_water_t;
+
+/// Whether the current changes in time.
+bool sim_water_wanders(const sim_water_config_t* config);
 
 /// Draws the start of the wandering from its stationary distribution.
 void sim_water_init(sim_water_t* water, const sim_water_config_t* config, uint64_t seed, uint64_t stream);

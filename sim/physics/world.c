@@ -59,8 +59,7 @@ static const char* fault_of_water(const sim_water_config_t* config) {
     if (!finite(config->mean_n_m_s, 3) || !not_negative(config->wander_m_s, 3)) {
         return "water: the mean must be finite, wander_m_s 0 or more";
     }
-    const bool wanders = config->wander_m_s[0] > 0 || config->wander_m_s[1] > 0 || config->wander_m_s[2] > 0;
-    if (wanders && !(config->wander_time_s > 0)) {
+    if (sim_water_wanders(config) && !(config->wander_time_s > 0)) {
         return "water: a current that wanders needs a wander_time_s above 0";
     }
     return NULL;

@@ -62,7 +62,7 @@ typedef struct {
 /// @return NULL, or what is wrong with the configuration: a path and what would be right. Then the world is unusable.
 const char* sim_world_init(sim_world_t* world, const sim_world_config_t* config, uint64_t seed);
 
-/// @param command efforts if the thrusters have a curve, else newtons; held for dt_s.
+/// @param command efforts if the thrusters have a curve, else newtons; held for dt_s. A disarmed thruster is given 0.
 /// @param dt_s above 0
 void sim_world_step(sim_world_t* world, const double command[SIM_THRUSTERS], double dt_s);
 
