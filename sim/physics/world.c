@@ -15,7 +15,7 @@ static bool not_negative(const double* value, int count) {
     return true;
 }
 
-static bool finite(const double* value, int count) {
+static bool all_finite(const double* value, int count) {
     for (int i = 0; i < count; i++) {
         if (!isfinite(value[i])) {
             return false;
@@ -49,14 +49,14 @@ static const char* fault_of_body(const rb_body_t* body) {
     if (!not_negative(drag, 6)) {
         return "body: drag and length_m must be 0 or more";
     }
-    if (!isfinite(body->net_weight_N) || !finite(body->centre_of_buoyancy_m, 3)) {
+    if (!isfinite(body->net_weight_N) || !all_finite(body->centre_of_buoyancy_m, 3)) {
         return "body: net_weight_N and centre_of_buoyancy_m must be finite";
     }
     return NULL;
 }
 
 static const char* fault_of_water(const sim_water_config_t* config) {
-    if (!finite(config->mean_n_m_s, 3) || !not_negative(config->wander_m_s, 3)) {
+    if (!all_finite(config->mean_n_m_s, 3) || !not_negative(config->wander_m_s, 3)) {
         return "water: the mean must be finite, wander_m_s 0 or more";
     }
     if (sim_water_wanders(config) && !(config->wander_time_s > 0)) {
@@ -73,7 +73,7 @@ static const char* fault_of_thrusters(const sim_thruster_config_t* config) {
                              config->force_forward_max_N,
                              config->force_reverse_max_N,
                              config->lag_s};
-    if (!not_negative(sizes, 6) || !finite(config->gain_error, SIM_THRUSTERS)) {
+    if (!not_negative(sizes, 6) || !all_finite(config->gain_error, SIM_THRUSTERS)) {
         return "thrusters: quantum, dead_band, gain_spread, force limits and lag_s must be 0 or more, gain_error "
                "finite";
     }
@@ -100,7 +100,7 @@ static const char* fault_of_navigation(const sim_navigation_config_t* config) {
                                    &config->rate_rad_s};
     for (int i = 0; i < 4; i++) {
         if (!not_negative(&error[i]->white, 1) || !not_negative(&error[i]->walk_sqrt_s, 1) ||
-            !finite(error[i]->bias, 3)) {
+            !all_finite(error[i]->bias, 3)) {
             return "navigation: white and walk_sqrt_s must be 0 or more, bias finite";
         }
     }
@@ -125,8 +125,8 @@ static const char* fault_of(const sim_world_config_t* config) {
     if (fault) {
         return fault;
     }
-    if (!unit(config->X_nb.q, 4) || !unit(config->X_nB.q, 4) || !finite(config->X_nb.p_m, 3) ||
-        !finite(config->X_nB.p_m, 3)) {
+    if (!unit(config->X_nb.q, 4) || !unit(config->X_nB.q, 4) || !all_finite(config->X_nb.p_m, 3) ||
+        !all_finite(config->X_nB.p_m, 3)) {
         return "poses: quaternions must be unit, positions finite";
     }
     if (!not_negative(&config->substep_max_s, 1)) {
@@ -137,7 +137,7 @@ static const char* fault_of(const sim_world_config_t* config) {
         return "structure: up to 64 capsules and 8 half-spaces";
     }
     for (int i = 0; i < SIM_THRUSTERS; i++) {
-        if (!unit(config->thruster[i].n, 3) || !finite(config->thruster[i].r_m, 3)) {
+        if (!unit(config->thruster[i].n, 3) || !all_finite(config->thruster[i].r_m, 3)) {
             return "thruster: directions must be unit, positions finite";
         }
     }

@@ -296,7 +296,7 @@ class Judges(unittest.TestCase):
     def test_each_segment_ends_where_mujoco_ends_it(self):
         worst = numpy.zeros(4)
         for number in range(FLIGHTS):
-            flight = Flight(random.Random(SEED + number), vehicle(), beam(), (0, 0, 0))
+            flight = Flight(random.Random(1000 * SEED + number), vehicle(), beam(), (0, 0, 0))
             judge, state = MuJoCo(flight), flight.state
             for segment, end in zip(flight.segments, flight.flown(), strict=True):
                 worst = numpy.maximum(worst, differences(judge.fly(state, segment), end))
@@ -307,7 +307,7 @@ class Judges(unittest.TestCase):
         """From start to end without resets, in still water and in a current, with every force that there is."""
         worst = numpy.zeros(4)
         for number in range(FLIGHTS):
-            draw = random.Random(SEED + 1000 + number)
+            draw = random.Random(1000 * SEED + 500 + number)
             rough = number % 2 == 1
             current = [draw.uniform(-0.02, 0.02) for _ in range(3)] if rough else (0, 0, 0)
             flight = Flight(draw, rough_vehicle() if rough else vehicle(), rough_beam() if rough else beam(), current)
