@@ -120,6 +120,28 @@ static void test_a_vehicle_left_alone_drifts_with_the_current(void) {
     }
 }
 
+static void test_a_vehicle_left_alone_follows_a_wandering_current_as_closely_as_its_drag_binds_it(void) {
+    enum { STEPS = 40000 };
+    sim_world_config_t config = calm();
+    const sim_water_config_t water = {.wander_m_s = {0.005, 0.005, 0.005}, .wander_time_s = 60};
+    config.water = water;
+    begin(&config, 3);
+    double variance = 0;
+    for (int step = 0; step < STEPS; step++) {
+        double current_n[3], v_n[3];
+        sim_water_current(&world.water, current_n);
+        sim_world_step(&world, NO_THRUST, STEP_S);
+        rb_rotate(world.state.eta.q, world.state.nu, v_n);
+        for (int i = 0; i < 3; i++) {
+            variance += pow(v_n[i] - current_n[i], 2) / (3 * STEPS);
+        }
+    }
+    // The speed through the water takes each jump of the current, of variance q, and decays by e^(-a dt) in each step.
+    const double a = 413.685 / 76.2, kept2 = exp(-2 * a * STEP_S), q = 0.005 * 0.005 * 2 * STEP_S / 60;
+    const double expected = q * kept2 / (1 - kept2);
+    TEST_ASSERT_DOUBLE_WITHIN(4 * sqrt(1 / (3 * STEPS * STEP_S * a)) * expected, expected, variance);
+}
+
 static void test_a_flight_in_a_current_is_the_flight_in_still_water_carried_along(void) {
     // Galilei: start with the water's own velocity, and in the water's frame nothing differs. With added mass, thrust
     // and drag of all kinds.
@@ -548,6 +570,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_speed_behind_a_lagging_thruster_follows_the_closed_form);
     RUN_TEST(test_a_vehicle_left_alone_drifts_with_the_current);
+    RUN_TEST(test_a_vehicle_left_alone_follows_a_wandering_current_as_closely_as_its_drag_binds_it);
     RUN_TEST(test_a_flight_in_a_current_is_the_flight_in_still_water_carried_along);
     RUN_TEST(test_a_heavy_body_sinks_at_the_speed_of_its_drag_and_a_light_one_rises);
     RUN_TEST(test_a_body_with_its_buoyancy_above_its_mass_swings_with_the_period_of_a_pendulum);
