@@ -563,7 +563,9 @@ static void test_a_disturbed_step_of_the_pair_costs_less_than_a_thousandth_of_it
     }
     printf("A step of 5 ms of the pair with every disturbance costs %.2f us: %.0f times real time\n", 1e6 * least_s,
            STEP_S / least_s);
+#ifdef NDEBUG // the bound is for the program as it ships, not for builds with sanitizers or without optimisation
     TEST_ASSERT_TRUE(least_s < STEP_S / 1000);
+#endif
 }
 
 int main(void) {
