@@ -151,6 +151,19 @@ ssv_build() {
     _ssv_step "Building ${folder#"$SSV_ROOT/"}" cmake --build "$folder"
 }
 
+# build/judges with exactly tests/requirements-judges.txt: packages that the tests alone import.
+_ssv_fetch_judges() {
+    local requirements=$SSV_ROOT/tests/requirements-judges.txt stamp=$SSV_BUILD/judges/requirements.stamp wanted
+    wanted="$(python3 --version) $(sha256sum <"$requirements")"
+    if [[ -f $stamp && $(<"$stamp") == "$wanted" ]]; then
+        return
+    fi
+    rm -rf "$SSV_BUILD/judges"
+    _ssv_step "Fetching MuJoCo and SciPy" "$SSV_PYTHON" -m pip install --no-deps --only-binary :all: --require-hashes \
+        --target "$SSV_BUILD/judges" -r "$requirements"
+    printf '%s\n' "$wanted" >"$stamp"
+}
+
 ssv_setup() {
     local tests=OFF
     mkdir -p "$SSV_BUILD"
@@ -161,6 +174,7 @@ ssv_setup() {
         tests=ON
         _ssv_fetch_checks
         _ssv_step "Looking for Unity" python3 "$SSV_ROOT/tests/support/fetch_unity.py"
+        _ssv_fetch_judges
     fi
     ssv_build "$SSV_BUILD" -DSSV_BUILD_TESTS=$tests
 }
