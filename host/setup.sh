@@ -76,15 +76,17 @@ _ssv_install_packages() {
         apt-get -o DPkg::Lock::Timeout=300 install -y --no-install-recommends $missing
 }
 
-# build/venv with exactly host/requirements.txt; the stamp spares the second run the network.
+# build/venv with exactly what the requirement files say; the stamp spares the second run the network.
 _ssv_make_venv() {
-    local requirements=$SSV_ROOT/host/requirements.txt stamp=$SSV_BUILD/venv/requirements.stamp wanted
-    wanted="$(python3 --version) $(sha256sum <"$requirements") $SSV_BUILD"
+    local lcm=$SSV_ROOT/host/requirements.txt mavlink=$SSV_ROOT/firmware/link/requirements.txt
+    local stamp=$SSV_BUILD/venv/requirements.stamp wanted
+    wanted="$(python3 --version) $(cat "$lcm" "$mavlink" | sha256sum) $SSV_BUILD"
     if [[ -f $stamp && $(<"$stamp") == "$wanted" ]]; then
         return
     fi
     _ssv_step "Making a Python environment" python3 -m venv --clear "$SSV_BUILD/venv"
-    _ssv_step "Fetching LCM" "$SSV_PYTHON" -m pip install --no-deps --only-binary :all: --require-hashes -r "$requirements"
+    _ssv_step "Fetching LCM and pymavlink" "$SSV_PYTHON" -m pip install --no-deps --only-binary :all: --require-hashes \
+        -r "$lcm" -r "$mavlink"
     printf '%s\n' "$wanted" >"$stamp"
 }
 

@@ -9,12 +9,15 @@ from core import ROOT, code_of, in_a_cycle
 
 CORE_API = tuple(f"firmware/include/ssv/{name}.h"
                  for name in ("planner", "plan", "scenario", "vec3", "real", "real_double", "real_float", "real_fixed"))
+TIMELINE_API = "firmware/include/ssv/timeline.h"
+LINK_API = "firmware/include/ssv/link.h"
 ANSWER_API = "firmware/include/ssv/answer.h"
 
 # What each folder may include beside its own files and the C and POSIX headers: folders, public headers, libraries.
 MAY_INCLUDE = {
     "firmware/include/ssv": {*CORE_API, "lcmtypes"},
     "firmware/planner": {*CORE_API},
+    "firmware/link": {TIMELINE_API, LINK_API, "mavlink"},
     "firmware/target": set(),
     "firmware/daemon": {*CORE_API, ANSWER_API, "lcmtypes", "lcm"},
     "host": {*CORE_API, ANSWER_API, "lcmtypes", "lcm", "cyaml", "jansson"},
@@ -23,6 +26,9 @@ MAY_INCLUDE = {
 LIBRARIES = {"lcm": r"lcm/", "cyaml": r"cyaml/", "jansson": r"jansson", "mavlink": r"(?:\w+/)?mavlink", "glib": r"glib"}
 INCLUDE_ROOTS = ("firmware/include", "firmware", "sim", "host")
 
+# The generated MAVLink code is of one file, whose packets all others know.
+MAVLINK_USER = "firmware/link/wire.c"
+LINK_SYSTEM_HEADERS = {"float.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
 CORE_SYSTEM_HEADERS = {"assert.h", "float.h", "limits.h", "stdatomic.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
 # The storeys of the core: what the files of each folder may include of the others; those in no folder may include all.
 STOREYS = {"math": set(), "model": {"math"}, "profile": {"math"}, "motion": {"math", "model", "profile"},
@@ -37,6 +43,9 @@ NOT_IN_CORE = {
                         r"fmax|fmod|floor|ceil|round|trunc|l?lround|nextafter|copysign|isnan|isinf|isfinite)[fl]?\s*\(",
     "a scalar other than real_t": r"\b(?:float|double)\b",
 }
+
+
+NOT_IN_LINK = ("heap", "input or output", "operating system", "libm past real.h")
 
 
 def folder_of(path):
@@ -75,11 +84,17 @@ def include_breaches(root, path, text, modules):
                 yield f'"{name}" is in no folder that may be included'
             elif folder == "firmware/planner" and name not in CORE_SYSTEM_HEADERS:
                 yield f"<{name}> is not for the core"
+            elif folder == "firmware/link" and name not in LINK_SYSTEM_HEADERS:
+                yield f"<{name}> is not for the link"
             elif name == "math.h" and folder == "firmware/include/ssv" and not re.search(r"/real_(double|float)\.h$", path):
                 yield "<math.h> is for the scalars alone"
             continue
         if target not in MAY_INCLUDE[folder] and folder_of(target) != folder:
             yield f"must not include {target}"
+        if target == "mavlink" and path != MAVLINK_USER:
+            yield f"the generated code is for {MAVLINK_USER} alone"
+        if path == LINK_API and target != TIMELINE_API:
+            yield "the link stands on the timeline alone"
         if path in CORE_API and target not in CORE_API:
             yield f"the core's headers stand by themselves, without {target}"
         if module_of(target) != module_of(path):
@@ -89,12 +104,12 @@ def include_breaches(root, path, text, modules):
                 yield f"{storey} must not know {below}"
 
 
-def word_breaches(text):
-    """Words in a file of the core that it must not know."""
+def word_breaches(text, where, words):
+    """Words in a file of the core or the link that it must not know."""
     for number, line in enumerate(code_of(text).splitlines(), 1):
-        for what, pattern in NOT_IN_CORE.items():
-            if match := re.search(pattern, line):
-                yield f"line {number}: {what} in the core: {match[0].strip()}"
+        for what in words:
+            if match := re.search(NOT_IN_CORE[what], line):
+                yield f"line {number}: {what} in the {where}: {match[0].strip()}"
 
 
 def breaches(root):
@@ -109,7 +124,9 @@ def breaches(root):
             found.append(f"{path}: in no storey of the core, see STOREYS")
         found += [f"{path}: {breach}" for breach in include_breaches(root, path, text, modules)]
         if folder_of(path) == "firmware/planner":
-            found += [f"{path}: {breach}" for breach in word_breaches(text)]
+            found += [f"{path}: {breach}" for breach in word_breaches(text, "core", NOT_IN_CORE)]
+        if folder_of(path) == "firmware/link":
+            found += [f"{path}: {breach}" for breach in word_breaches(text, "link", NOT_IN_LINK)]
     return found + [f"{module}: includes itself through other modules" for module in in_a_cycle(modules)]
 
 
@@ -141,6 +158,19 @@ class Layers(unittest.TestCase):
             ("firmware/planner/motion/maneuver.c", "static const double x = 1;"): "a scalar other than real_t",
             ("firmware/include/ssv/vec3.h", "#include <math.h>"): "for the scalars alone",
             ("firmware/include/ssv/planner.h", '#include "lcm_ssv_plan_t.h"'): "stand by themselves",
+            ("firmware/link/server.c", '#include "ssv/mavlink.h"'): "is for firmware/link/wire.c alone",
+            ("firmware/link/vehicle.c", '#include "ssv/plan.h"'): "must not include firmware/include/ssv/plan.h",
+            ("firmware/link/vehicle.c", '#include "planner/model/body.h"'): "must not include firmware/planner",
+            ("firmware/link/planner.c", '#include "lcm_ssv_plan_t.h"'): "must not include lcmtypes",
+            ("firmware/link/planner.c", "#include <lcm/lcm.h>"): "must not include lcm",
+            ("firmware/link/planner.c", "#include <stdio.h>"): "is not for the link",
+            ("firmware/link/planner.c", "#include <time.h>"): "is not for the link",
+            ("firmware/link/planner.c", "void* p = malloc(3);"): "heap in the link",
+            ("firmware/link/planner.c", "long f(void) { return time(0); }"): "operating system in the link",
+            ("firmware/include/ssv/link.h", '#include "ssv/scenario.h"'): "stands on the timeline alone",
+            ("firmware/include/ssv/link.h", '#include "ssv/mavlink.h"'): "is for firmware/link/wire.c alone",
+            ("firmware/planner/motion/maneuver.c", '#include "link/wire.h"'): "must not include firmware/link/wire.h",
+            ("firmware/planner/motion/maneuver.c", '#include "ssv/mavlink.h"'): "must not include mavlink",
             ("firmware/daemon/answer.c", '#include "planner/motion/maneuver.h"'): "must not include firmware/planner/motion/maneuver.h",
             ("host/planted.c", '#include "planner/motion/maneuver.h"'): "must not include firmware/planner/motion/maneuver.h",
             ("host/planted.c", '#include "rigid_body.h"'): "must not include sim/rigid_body.h",
