@@ -462,13 +462,21 @@ static bool poll_request(ssv_link_vehicle_t* link, int64_t now_us, ssv_packet_t*
     return true;
 }
 
+static bool poll_file(ssv_link_vehicle_t* link, int64_t now_us, ssv_packet_t* packet) {
+    link->served = ssv_server_poll(link, now_us, packet);
+    return link->served;
+}
+
 size_t ssv_link_vehicle_poll(ssv_link_vehicle_t* link, int64_t now_us, const ssv_link_vehicle_state_t* state,
                              uint8_t* frame) {
     ssv_packet_t packet;
     packet.target_sysid = packet.target_compid = 0;
-    // Streams come before files, so that no upload and no burst keeps the vehicle's state from being seen.
-    if (poll_ack(link, &packet) || poll_stream(link, now_us, state, &packet) || poll_request(link, now_us, &packet) ||
-        ssv_server_poll(link, now_us, &packet))
+    // Files and the rest take turns, so that neither keeps the other from being heard.
+    const bool files_first = !link->served;
+    link->served = false;
+    if (poll_ack(link, &packet) || (files_first && poll_file(link, now_us, &packet)) ||
+        poll_stream(link, now_us, state, &packet) || poll_request(link, now_us, &packet) ||
+        poll_file(link, now_us, &packet))
         return ssv_wire_send(&link->wire, now_us, &packet, frame);
     return 0;
 }

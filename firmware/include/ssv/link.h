@@ -316,6 +316,7 @@ typedef struct {
     uint16_t log_length;
     uint8_t log[SSV_LINK_LOG_BYTES];
     int64_t interval_us[SSV_LINK_NUM_STREAMS], due_us[SSV_LINK_NUM_STREAMS]; ///< [us]; interval < 0: never
+    bool served; ///< whether the last frame was the file server's
     bool want_version, want_timesync;
     int64_t timesync_ns;
     int32_t next_parameter, end_parameter; ///< parameters yet to be sent
