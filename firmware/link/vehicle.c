@@ -50,8 +50,8 @@ static size_t append(char* text, size_t capacity, size_t length, const char* mor
     return length;
 }
 
-static size_t append_number(char* text, size_t capacity, size_t length, uint64_t number) {
-    char digits[21];
+static size_t append_number(char* text, size_t capacity, size_t length, uint32_t number) {
+    char digits[11];
     size_t at = sizeof digits - 1;
     digits[at] = '\0';
     do {
@@ -64,9 +64,9 @@ static size_t append_number(char* text, size_t capacity, size_t length, uint64_t
 // A line of milliseconds, severity and text; the oldest lines make room for it.
 static void write_log(ssv_link_vehicle_t* link, int64_t now_us, ssv_link_severity_t severity, const char* text) {
     char line[SSV_LINK_TEXT_MAX + 32];
-    size_t length = append_number(line, sizeof line, 0, (uint64_t)now_us / 1000);
+    size_t length = append_number(line, sizeof line, 0, (uint32_t)(now_us / 1000));
     length = append(line, sizeof line, length, " ");
-    length = append_number(line, sizeof line, length, (uint64_t)severity);
+    length = append_number(line, sizeof line, length, (uint32_t)severity);
     length = append(line, sizeof line, length, " ");
     length = append(line, sizeof line, length, text);
     length = append(line, sizeof line, length, "\n");
@@ -219,7 +219,7 @@ static ssv_link_result_t set_interval(ssv_link_vehicle_t* link, int64_t now_us, 
     if (i < 0) return SSV_LINK_UNSUPPORTED;
     if (streams[i].kind == SSV_PACKET_HEARTBEAT || !(parameter[1] >= -1 && parameter[1] <= 1e9F))
         return SSV_LINK_DENIED;
-    int64_t interval_us = (int64_t)parameter[1];
+    int64_t interval_us = (int32_t)parameter[1];
     if (interval_us == 0)
         interval_us = streams[i].interval_us;
     else if (interval_us > 0 && interval_us < INTERVAL_MIN_US)
