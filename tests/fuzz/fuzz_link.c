@@ -1,9 +1,13 @@
 // Fuzzes both ends of the link. The input is a list of frames, which get the right checksum, so that what is behind the
-// checksum is reached; some are bytes as they stand. Time goes on between them. Whatever comes, what is live is sound.
+// checksum is reached: any message with any payload, requests of the file transfer with the paths and the session that
+// there are, commands with the plan hashes that there are, and bytes as they stand. Time goes on between them. Whatever
+// comes, what is live is sound.
 #include <stdlib.h>
 #include <string.h>
 
 #define MAVLINK_NO_CONVERSION_HELPERS
+#include "link/bytes.h"
+#include "link/timeline_file.h"
 #include "ssv/link.h"
 #include "ssv/mavlink.h"
 
@@ -37,6 +41,9 @@ static const uint32_t ids[] = {MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL,
                                MAVLINK_MSG_ID_LOCAL_POSITION_NED,
                                MAVLINK_MSG_ID_SETUP_SIGNING,
                                MAVLINK_MSG_ID_ODOMETRY};
+
+/// Kinds of steps: below the first a message of any kind, then requests, commands, bytes.
+enum { FIRST_REQUEST = 150, FIRST_COMMAND = 220, BYTES = 255 };
 
 static void check(bool holds) {
     if (!holds) abort();
@@ -123,6 +130,36 @@ static size_t make_frame(uint8_t from, uint32_t id, const uint8_t* payload, uint
     return mavlink_msg_to_send_buffer(frame, &message);
 }
 
+// Makes a request of the file transfer out of the payload's first bytes; the rest is the data.
+static size_t make_request(uint8_t from, const uint8_t* payload, uint8_t* frame) {
+    static const char* const paths[] = {"/plan/incoming", "/plan/live", "/plan/header", "/log/events"};
+    mavlink_file_transfer_protocol_t out = {.target_system = 1, .target_component = 1};
+    const uint8_t opcode = payload[1] % 16;
+    memcpy(out.payload + 8, payload + 4, sizeof out.payload - 8 < 243 ? sizeof out.payload - 8 : 243);
+    out.payload[0] = payload[0];
+    out.payload[2] = (uint8_t)(vehicle.server.session + (payload[3] % 8 == 7));
+    out.payload[3] = opcode;
+    out.payload[4] = payload[2];
+    const bool has_path = opcode == 4 || opcode == 6 || opcode == 11 || opcode == 14;
+    if (has_path && payload[3] % 8 != 6) {
+        const char* path = paths[payload[2] % 4];
+        out.payload[4] = (uint8_t)strlen(path);
+        memcpy(out.payload + 12, path, strlen(path));
+    }
+    return make_frame(from, MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL, (const uint8_t*)&out, 254, frame);
+}
+
+static size_t make_command(uint8_t from, const uint8_t* payload, uint8_t* frame) {
+    static const uint16_t commands[] = {185, 193, 400, 511, 512, 31010, 31011, 31012};
+    mavlink_command_int_t out = {.target_system = 1, .target_component = 1, .command = commands[payload[0] % 8]};
+    const uint64_t plan_hash = payload[1] % 2 == 0 ? 1 : ssv_get_u64(vehicle.image[vehicle.live ^ 1] + AT_PLAN_HASH);
+    memcpy(&out.param1, payload + 2, 4);
+    if (payload[1] % 4 < 2) out.param1 = (float)(payload[2] % 3);
+    out.x = (int32_t)(uint32_t)plan_hash;
+    out.y = (int32_t)(plan_hash >> 32);
+    return make_frame(from, MAVLINK_MSG_ID_COMMAND_INT, (const uint8_t*)&out, sizeof out, frame);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     begin();
     for (int step = 0; step < MAX_STEPS && size >= 4; step++) {
@@ -135,14 +172,17 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         data += length;
         size -= length;
         now_us += INT64_C(20000) * wait * wait;
-        if (kind == 255) {
-            to_vehicle(payload, length);
-            to_planner(payload, length);
-        } else {
-            const size_t num_bytes = make_frame(from, ids[kind % (sizeof ids / sizeof *ids)], payload, length, frame);
-            to_vehicle(frame, num_bytes);
-            to_planner(frame, num_bytes);
-        }
+        size_t num_bytes = length;
+        if (kind == BYTES)
+            memcpy(frame, payload, length);
+        else if (kind >= FIRST_COMMAND)
+            num_bytes = make_command(from, payload, frame);
+        else if (kind >= FIRST_REQUEST)
+            num_bytes = make_request(from, payload, frame);
+        else
+            num_bytes = make_frame(from, ids[kind % (sizeof ids / sizeof *ids)], payload, length, frame);
+        to_vehicle(frame, num_bytes);
+        to_planner(frame, num_bytes);
         if ((from & 0x80) != 0) talk();
         check_vehicle();
     }

@@ -1,6 +1,6 @@
-// Fuzzes the reader of timeline files. The input is a file whose magic, lengths, sum of durations and CRC-32 are mended
-// as its first byte says, so that what is behind them is reached. What is found sound is the only file of its timeline,
-// and no number of it is out of range.
+// Fuzzes the reader of timeline files. The input is a file whose magic, lengths, header, segments, sum of durations and
+// CRC-32 are mended as its first byte says, so that what is behind them is reached. What is found sound is the only
+// file of its timeline, and no number of it is out of range.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +15,24 @@ static void check(bool holds) {
     if (!holds) abort();
 }
 
+// A header that nothing is wrong with but its counts and events.
+static void mend_header(uint8_t* file) {
+    ssv_put_u64(file + AT_PLAN_HASH, ssv_get_u64(file + AT_PLAN_HASH) | 1);
+    ssv_put_u64(file + AT_EPOCH, ssv_get_u32(file + AT_EPOCH) | 1);
+    ssv_put_u32(file + AT_VALID_FOR, ssv_get_u32(file + AT_VALID_FOR) | 1);
+    ssv_put_f32(file + AT_U_MAX, 6);
+    memset(file + AT_P_IS, 0, AT_NUM_SEGMENTS - AT_P_IS);
+    ssv_put_f32(file + AT_Q_IS, 1);
+    ssv_put_u16(file + AT_NUM_SEGMENTS + 2, 0);
+    ssv_put_u32(file + AT_DURATION - 4, 0);
+}
+
+// Durations of up to 4 s and thrusts below 2 N.
+static void mend_segment(uint8_t* at) {
+    ssv_put_u64(at, UINT64_C(1) + ssv_get_u32(at));
+    for (int i = 0; i < 2 * SSV_NUM_THRUSTERS; i++) at[AT_U_START + 4 * i + 3] &= 0xbf;
+}
+
 static void mend(uint8_t how, uint8_t* file, size_t length) {
     static const uint8_t front[] = {'S', 'S', 'V', 'T', 1, 0, 6};
     if (length < SSV_TIMELINE_HEADER_BYTES) return;
@@ -22,8 +40,11 @@ static void mend(uint8_t how, uint8_t* file, size_t length) {
         memcpy(file, front, sizeof front);
         ssv_put_u32(file + AT_LENGTH, (uint32_t)length);
     }
+    if ((how & 8) != 0) mend_header(file);
     const size_t num_segments = (length - SSV_TIMELINE_HEADER_BYTES) / SSV_TIMELINE_SEGMENT_BYTES;
     if ((how & 2) != 0) ssv_put_u16(file + AT_NUM_SEGMENTS, (uint16_t)num_segments);
+    for (size_t i = 0; i < num_segments && (how & 16) != 0; i++)
+        mend_segment(file + SSV_TIMELINE_HEADER_BYTES + SSV_TIMELINE_SEGMENT_BYTES * i);
     if ((how & 4) != 0) {
         uint64_t sum = 0;
         for (size_t i = 0; i < num_segments; i++)
