@@ -36,6 +36,9 @@ _ssv_missing_packages() {
     if [[ $2 == tests ]]; then
         wanted+=(clang libclang-rt-dev default-jdk-headless)
         wanted+=(gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm) # tests on bare Cortex-M cores
+        if [[ -n ${SSV_LONG:-} ]]; then
+            wanted+=(tshark) # the link as a tool of others sees it
+        fi
         # and on other processors with an operating system
         wanted+=(gcc-aarch64-linux-gnu gcc-arm-linux-gnueabihf libc6-dev-arm64-cross libc6-dev-armhf-cross qemu-user)
     fi

@@ -25,6 +25,7 @@ void ssv_link_planner_init(ssv_link_planner_t* link, const ssv_link_planner_conf
     // A client that follows another one begins with other numbers, so the vehicle does not take its requests for old
     // ones.
     link->client.next_sequence = (uint16_t)(config->boot_id * UINT32_C(40503) >> 8);
+    link->client.session = (uint8_t)(config->boot_id * UINT32_C(157));
     ssv_wire_init(&link->wire, config->sysid, config->compid, config->sign ? &config->signing : NULL);
 }
 

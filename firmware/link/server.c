@@ -60,18 +60,18 @@ static ssv_ftp_error_t set_number(ssv_link_answer_t* answer, uint32_t number) {
     return SSV_FTP_OK;
 }
 
-// Opens a session for the sender of the request, unless somebody else's is alive.
-static ssv_ftp_error_t open_session(ssv_link_server_t* server, const ssv_packet_t* request, uint8_t file,
-                                    ssv_link_answer_t* answer) {
+// Opens a session for the sender of the request, unless somebody else's is alive. Its number is the one in the request:
+// pymavlink's client does not wait for the answer to CreateFile when that takes longer than 0.1 s, and its first chunks
+// have that number.
+static ssv_ftp_error_t open_session(ssv_link_server_t* server, const ssv_packet_t* request, uint8_t file) {
     if (server->open && (server->sysid != request->sysid || server->compid != request->compid))
         return SSV_FTP_NO_SESSION_LEFT;
     server->open = true;
     server->burst = false;
-    server->session++;
+    server->session = request->of.ftp.session;
     server->file = file;
     server->sysid = request->sysid;
     server->compid = request->compid;
-    answer->session = server->session;
     return SSV_FTP_OK;
 }
 
@@ -80,15 +80,14 @@ static ssv_ftp_error_t open_existing(ssv_link_vehicle_t* link, const ssv_packet_
     const file_t content = content_of(link, file);
     if (content.bytes == NULL) return SSV_FTP_NOT_FOUND;
     if ((file == INCOMING) != (request->of.ftp.opcode == SSV_FTP_OPEN_WRITE)) return SSV_FTP_PROTECTED;
-    const ssv_ftp_error_t error = open_session(&link->server, request, file, answer);
+    const ssv_ftp_error_t error = open_session(&link->server, request, file);
     return error != SSV_FTP_OK ? error : set_number(answer, content.length);
 }
 
-static ssv_ftp_error_t create(ssv_link_vehicle_t* link, int64_t now_us, const ssv_packet_t* request,
-                              ssv_link_answer_t* answer) {
+static ssv_ftp_error_t create(ssv_link_vehicle_t* link, int64_t now_us, const ssv_packet_t* request) {
     const uint8_t incoming = link->live ^ 1;
     if (file_named(&request->of.ftp) != INCOMING) return SSV_FTP_PROTECTED;
-    const ssv_ftp_error_t error = open_session(&link->server, request, INCOMING, answer);
+    const ssv_ftp_error_t error = open_session(&link->server, request, INCOMING);
     if (error != SSV_FTP_OK) return error;
     memset(link->image[incoming], 0, sizeof link->image[incoming]);
     link->incoming = true;
@@ -151,7 +150,7 @@ static ssv_ftp_error_t serve(ssv_link_vehicle_t* link, int64_t now_us, const ssv
         case SSV_FTP_RESET: return end_session(&link->server, request);
         case SSV_FTP_OPEN_READ:
         case SSV_FTP_OPEN_WRITE: return open_existing(link, request, answer);
-        case SSV_FTP_CREATE: return create(link, now_us, request, answer);
+        case SSV_FTP_CREATE: return create(link, now_us, request);
         case SSV_FTP_WRITE: return write_chunk(link, request);
         case SSV_FTP_READ:
         case SSV_FTP_BURST: return read_chunk(link, request, answer);

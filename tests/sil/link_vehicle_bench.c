@@ -1,11 +1,13 @@
 // The vehicle's end of the link on a UDP socket, for tools of others: it accepts what it is told and flies nothing.
 //   link_vehicle_bench PORT [PEER_PORT]
-// listens on 127.0.0.1:PORT (0: any) and prints the port; answers whoever spoke last, or before that PEER_PORT.
+// listens on 127.0.0.1:PORT (0: any) and prints the port; answers whoever spoke last, or before that PEER_PORT. With
+// SSV_LINK_KEY set, a letter, it signs and asks for signatures; the key is 32 times that letter.
 #define _DEFAULT_SOURCE
 #include <arpa/inet.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
@@ -73,7 +75,13 @@ int main(int argc, char** argv) {
     if (has_peer) peer.sin_port = htons((uint16_t)atoi(argv[2]));
     printf("%d\n", ntohs(own.sin_port));
     fflush(stdout);
-    const ssv_link_vehicle_config_t config = default_vehicle();
+    ssv_link_vehicle_config_t config = default_vehicle();
+    const char* key = getenv("SSV_LINK_KEY");
+    if (key != NULL) {
+        config.sign = true;
+        memset(config.signing.key, key[0], sizeof config.signing.key);
+        config.signing.unix_zero_us = (int64_t)time(NULL) * 1000000;
+    }
     ssv_link_vehicle_init(&vehicle, &config);
     state.may_swap = true;
     state.pose.known = true;

@@ -109,10 +109,15 @@ class Session(unittest.TestCase):
 class Bench(unittest.TestCase):
     """The vehicle's end on a socket."""
 
+    key = None
+
     def setUp(self):
-        self.process = subprocess.Popen([BENCH, "0"], stdout=subprocess.PIPE, text=True)
+        environment = os.environ | ({"SSV_LINK_KEY": self.key} if self.key else {})
+        self.process = subprocess.Popen([BENCH, "0"], stdout=subprocess.PIPE, text=True, env=environment)
         self.port = int(self.process.stdout.readline())
         self.link = mavutil.mavlink_connection(f"udpout:127.0.0.1:{self.port}", source_system=255, source_component=190)
+        if self.key:
+            self.link.setup_signing(32 * self.key.encode(), sign_outgoing=True)
         self.link.mav.heartbeat_send(ssv.MAV_TYPE_GCS, ssv.MAV_AUTOPILOT_INVALID, 0, 0, 0)
         self.assertIsNotNone(self.link.wait_heartbeat(timeout=5))
 
@@ -134,7 +139,7 @@ class Bench(unittest.TestCase):
         client = mavftp.MAVFTP(self.link, 1, 1)
         client.ftp_settings.write_size = 239
         self.assertEqual(client.cmd_put(["memory", name], fh=io.BytesIO(data)).error_code, 0)
-        return client, client.process_ftp_reply("Put", timeout=20).error_code
+        return client, client.process_ftp_reply("Put", timeout=60).error_code
 
     def test_the_stock_ftp_client_uploads_a_timeline_that_is_committed_and_started_and_read_back(self):
         data, plan_hash = timeline_file(segments=128), 0x123456789abcdef0
@@ -158,7 +163,8 @@ class Bench(unittest.TestCase):
 
     def test_a_torn_upload_is_not_committed_and_what_is_live_stays(self):
         good, plan_hash = timeline_file(segments=20), 0x123456789abcdef0
-        client, _ = self.put(good)
+        client, error = self.put(good)
+        self.assertEqual(error, 0)
         self.assertEqual(self.command(ssv.MAV_CMD_USER_1, plan_hash), (ssv.MAV_RESULT_ACCEPTED, 0))
         for torn, reason in ((good[:-1], ssv.SSV_REASON_LENGTH), (good[:90], ssv.SSV_REASON_LENGTH),
                              (good[:500] + b"x" + good[501:], ssv.SSV_REASON_CRC), (b"", ssv.SSV_REASON_LENGTH),
@@ -168,6 +174,24 @@ class Bench(unittest.TestCase):
             self.put(torn)
             self.assertEqual(self.command(ssv.MAV_CMD_USER_1, plan_hash), (ssv.MAV_RESULT_DENIED, reason))
         self.assertEqual(client.read("/plan/live", len(good)), good)
+
+    def test_a_stock_client_that_dies_after_any_answer_harms_nothing_and_the_next_one_completes(self):
+        live, plan_hash = None, 1
+        for answers in (0, 1, 2, 6, 29):
+            dying = mavftp.MAVFTP(self.link, 1, 1)
+            dying.ftp_settings.write_size = 239
+            dying.cmd_put(["memory", "/plan/incoming"], fh=io.BytesIO(timeline_file(segments=128)))
+            for _ in range(answers):
+                answer = self.link.recv_match(type="FILE_TRANSFER_PROTOCOL", blocking=True, timeout=5)
+                dying._MAVFTP__mavlink_packet(answer)
+            data = timeline_file(plan_hash=plan_hash + 1, segments=30 + answers)
+            client, error = self.put(data)
+            self.assertEqual(error, 0)
+            if live:
+                self.assertEqual(client.read("/plan/live", len(live)), live)
+            plan_hash += 1
+            self.assertEqual(self.command(ssv.MAV_CMD_USER_1, plan_hash), (ssv.MAV_RESULT_ACCEPTED, 0))
+            live = data
 
     def test_other_names_are_refused(self):
         for name in ("/etc/passwd", "/plan/live", "/plan/incoming/..", "x" * 200):
@@ -207,6 +231,28 @@ class Bench(unittest.TestCase):
     def interval(self, message, us):
         self.link.mav.command_long_send(1, 1, ssv.MAV_CMD_SET_MESSAGE_INTERVAL, 0, message, us, 0, 0, 0, 0, 0)
         return self.link.recv_match(type="COMMAND_ACK", blocking=True, timeout=5).result
+
+
+class SignedBench(Bench):
+    """All of the above with signatures; and what is unsigned, or signed with another key, is not heard."""
+
+    key = "k"
+
+    def test_only_the_key_opens_the_link(self):
+        before = self.link.recv_match(type="SYS_STATUS", blocking=True, timeout=5).errors_count3
+        for key in (None, b"x" * 32):
+            stranger = mavutil.mavlink_connection(f"udpout:127.0.0.1:{self.port}", source_system=254, source_component=190)
+            if key:
+                stranger.setup_signing(key, sign_outgoing=True)
+            stranger.mav.command_long_send(1, 1, ssv.MAV_CMD_COMPONENT_ARM_DISARM, 0, 1, 0, 0, 0, 0, 0, 0)
+            stranger.close()
+        time.sleep(0.2)
+        self.assertEqual(self.command(ssv.MAV_CMD_REQUEST_MESSAGE, param1=ssv.MAVLINK_MSG_ID_SYS_STATUS)[0], 0)
+        while (status := self.link.recv_match(type="SYS_STATUS", blocking=True, timeout=5)).errors_count3 < before + 2:
+            self.assertIsNotNone(status)
+        while (heartbeat := self.link.recv_match(type="HEARTBEAT", blocking=True, timeout=5)) is None:
+            pass
+        self.assertFalse(heartbeat.base_mode & ssv.MAV_MODE_FLAG_SAFETY_ARMED)
 
 
 if __name__ == "__main__":

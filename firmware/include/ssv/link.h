@@ -21,6 +21,10 @@
 
 #include "ssv/timeline.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Longest frame [bytes]: header, 255 bytes of payload, checksum, signature.
 #define SSV_LINK_FRAME_BYTES_MAX 280
 /// Peers that are told apart in the statistics; later ones are counted in none.
@@ -484,5 +488,9 @@ void ssv_link_planner_beat(ssv_link_planner_t* link, uint32_t session, uint32_t 
 /// Sends trims at the next poll; newer ones take the place of those not yet sent.
 void ssv_link_planner_trim(ssv_link_planner_t* link, uint32_t session, uint32_t sequence, int64_t plan_time_ns,
                            const float trim_N[SSV_NUM_THRUSTERS]);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif
