@@ -76,7 +76,10 @@ class Mavproxy(unittest.TestCase):
                 stderr=subprocess.STDOUT, text=True)
             try:
                 time.sleep(12)
-                seen, _ = proxy.communicate("status\nexit\n", timeout=30)
+                proxy.stdin.write("status\n")
+                proxy.stdin.flush()
+                time.sleep(3)  # an exit that comes at once is obeyed first
+                seen, _ = proxy.communicate("exit\n", timeout=30)
             finally:
                 for process in (proxy, bench):
                     process.kill()
