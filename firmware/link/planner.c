@@ -29,8 +29,10 @@ void ssv_link_planner_init(ssv_link_planner_t* link, const ssv_link_planner_conf
     ssv_wire_init(&link->wire, config->sysid, config->compid, config->sign ? &config->signing : NULL);
 }
 
-void ssv_link_planner_upload(ssv_link_planner_t* link, const uint8_t* file, size_t length) {
+bool ssv_link_planner_upload(ssv_link_planner_t* link, const uint8_t* file, size_t length) {
+    if (length < SSV_TIMELINE_HEADER_BYTES || length > SSV_TIMELINE_FILE_BYTES_MAX) return false;
     ssv_client_begin(&link->client, file, length, chunk_bytes(link));
+    return true;
 }
 
 bool ssv_link_planner_command(ssv_link_planner_t* link, int64_t now_us, ssv_link_command_t command, int32_t value,

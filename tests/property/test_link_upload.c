@@ -94,6 +94,7 @@ static void test_uploads_at_up_to_20_percent_loss_each_way_all_complete_and_none
 static void test_a_client_that_dies_at_any_frame_leaves_the_live_timeline_and_the_next_client_completes(void) {
     const int count = times(2000);
     size_t length_before = 0;
+    int num_whole = 0;
     world_init(&world, BYTES_PER_S, 0, 0);
     for (int k = 0; k < count; k++) {
         char trial[32];
@@ -108,12 +109,23 @@ static void test_a_client_that_dies_at_any_frame_leaves_the_live_timeline_and_th
         while (world.up.num_frames < last && !done)
             done = world_run(&world, world.now_us + 20000).kind == SSV_LINK_PLANNER_UPLOADED;
         assert_live(before, length_before, trial);
+        // Somebody commits what there is: all of it or none.
+        new_planner();
+        ssv_link_planner_command(&world.planner, world.now_us, SSV_LINK_COMMIT, 0, hash_of_file());
+        const ssv_link_planner_event_t event = world_await(&world, SSV_LINK_PLANNER_ANSWERED, world.now_us + MINUTE_US);
+        if (event.of.answer.result == SSV_LINK_ACCEPTED) {
+            num_whole++;
+            memcpy(before, file, length);
+            length_before = length;
+        }
+        assert_live(before, length_before, trial);
         new_planner();
         const size_t length_after = draw_file(draw_below(SSV_MAX_SEGMENTS + 1));
         upload_and_commit(length_after, length_before, trial);
         length_before = length_after;
     }
-    TEST_ASSERT_EQUAL_INT(count, world.num_commits);
+    TEST_ASSERT_EQUAL_INT(count + num_whole, world.num_commits);
+    TEST_ASSERT_TRUE(num_whole > count / 20 && num_whole < count);
 }
 
 static void test_an_upload_survives_a_line_that_is_cut_for_longer_than_a_session_lasts(void) {

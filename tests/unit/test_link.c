@@ -542,6 +542,16 @@ static void test_a_command_of_the_planner_is_given_again_until_it_is_answered_or
     }
 }
 
+static void test_only_what_has_the_length_of_a_timeline_file_is_uploaded(void) {
+    static ssv_link_planner_t planner;
+    const ssv_link_planner_config_t config = default_planner(3);
+    ssv_link_planner_init(&planner, &config);
+    TEST_ASSERT_FALSE(ssv_link_planner_upload(&planner, file, 0));
+    TEST_ASSERT_FALSE(ssv_link_planner_upload(&planner, file, SSV_TIMELINE_HEADER_BYTES - 1));
+    TEST_ASSERT_FALSE(ssv_link_planner_upload(&planner, file, SSV_TIMELINE_FILE_BYTES_MAX + 1));
+    TEST_ASSERT_TRUE(ssv_link_planner_upload(&planner, file, file_length));
+}
+
 static void test_the_stop_takes_the_place_of_a_command_that_waits(void) {
     static world_t world;
     world_init(&world, 5760, 1000, 0);
@@ -591,6 +601,7 @@ int main(void) {
     RUN_TEST(test_a_start_names_the_live_plan_and_comes_in_time_or_is_refused_by_the_link);
     RUN_TEST(test_values_that_mean_nothing_are_denied);
     RUN_TEST(test_a_command_of_the_planner_is_given_again_until_it_is_answered_or_given_up);
+    RUN_TEST(test_only_what_has_the_length_of_a_timeline_file_is_uploaded);
     RUN_TEST(test_the_stop_takes_the_place_of_a_command_that_waits);
     RUN_TEST(test_the_log_keeps_the_newest_lines_whole);
     return UNITY_END();

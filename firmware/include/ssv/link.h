@@ -474,8 +474,9 @@ size_t ssv_link_planner_receive(ssv_link_planner_t* link, int64_t now_us, const 
 size_t ssv_link_planner_poll(ssv_link_planner_t* link, int64_t now_us, uint8_t* frame);
 
 /// Begins to upload a file of ssv_timeline_encode, which the caller keeps until SSV_LINK_PLANNER_UPLOADED or
-/// SSV_LINK_PLANNER_UPLOAD_FAILED. An upload under way is given up, without an event.
-void ssv_link_planner_upload(ssv_link_planner_t* link, const uint8_t* file, size_t length);
+/// SSV_LINK_PLANNER_UPLOAD_FAILED. An upload under way is given up, without an event. False, and nothing begins, when
+/// the length is not that of a timeline file.
+bool ssv_link_planner_upload(ssv_link_planner_t* link, const uint8_t* file, size_t length);
 
 /// Gives a command; false while another one waits for its answer, unless this one is SSV_LINK_TERMINATE, which takes
 /// its place. The plan hash matters to SSV_LINK_COMMIT and SSV_LINK_START, the value to the others.
