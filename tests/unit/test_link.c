@@ -1,4 +1,5 @@
 // The rules of both ends, frame by frame: framing, signatures, statistics, file server, commit, commands.
+#include <math.h>
 #include <string.h>
 
 #include "link/ftp.h"
@@ -134,6 +135,20 @@ static void test_losses_are_counted_per_peer_by_gaps_in_the_sequence_numbers(voi
     TEST_ASSERT_EQUAL_UINT32(1000, statistics->peer[1].received);
     TEST_ASSERT_EQUAL_UINT32(0, statistics->peer[1].lost);
     TEST_ASSERT_EQUAL_UINT32(100, statistics->lost);
+}
+
+static void test_a_frame_that_comes_twice_or_a_peer_that_begins_anew_is_no_loss(void) {
+    for (int k = 0; k < 50; k++) {
+        request = (ssv_packet_t){.kind = SSV_PACKET_BEAT};
+        const size_t length = ssv_wire_send(&tool, 0, &request, frame);
+        deliver(frame, length);
+        deliver(frame, length);
+    }
+    TEST_ASSERT_EQUAL_UINT32(0, vehicle.wire.statistics.lost);
+    ssv_wire_init(&tool, 255, 190, NULL); // its next number is 0 where 50 was expected
+    request = (ssv_packet_t){.kind = SSV_PACKET_BEAT};
+    deliver(frame, ssv_wire_send(&tool, 0, &request, frame));
+    TEST_ASSERT_EQUAL_UINT32(0, vehicle.wire.statistics.lost);
 }
 
 static void test_more_peers_than_the_table_holds_are_heard_all_the_same(void) {
@@ -395,6 +410,9 @@ static void test_a_burst_reads_the_live_file_in_chunks_of_the_size_asked_for(voi
         now_us += 14 * S; // 14 s between frames of the burst: what goes out keeps the session alive
     }
     TEST_ASSERT_TRUE(vehicle.server.open);
+    TEST_ASSERT_EQUAL_UINT8(SSV_FTP_OK, ftp(69, answer.of.ftp.session, SSV_FTP_READ, 100, NULL, 10));
+    TEST_ASSERT_EQUAL_UINT8(10, answer.of.ftp.size);
+    TEST_ASSERT_EQUAL_MEMORY(file + 100, answer.of.ftp.data, 10);
     TEST_ASSERT_EQUAL_UINT8(SSV_FTP_END_OF_FILE,
                             ftp(70, answer.of.ftp.session, SSV_FTP_READ, (uint32_t)file_length, NULL, 10));
 }
@@ -455,6 +473,36 @@ static void test_the_start_attitude_may_be_0_05_rad_off_about_any_axis_in_either
     }
 }
 
+static void test_the_start_attitude_is_compared_by_the_angle_between_the_two_whatever_they_are(void) {
+    for (int k = 0; k < 400; k++) {
+        const bool inside = k % 2 == 0;
+        double a[4], axis[4] = {0, 0, 0, 0}, square = 0, axis_square = 0;
+        setUp();
+        draw_seed((uint64_t)(500 + k));
+        for (int i = 0; i < 4; i++) {
+            a[i] = draw_between(-1, 1);
+            square += a[i] * a[i];
+            if (i > 0) {
+                axis[i] = draw_between(-1, 1);
+                axis_square += axis[i] * axis[i];
+            }
+        }
+        const double half_rad = inside ? 0.0249 : 0.0252, s = sin(half_rad) / sqrt(axis_square), c = cos(half_rad);
+        for (int i = 0; i < 4; i++) {
+            a[i] /= sqrt(square);
+            timeline.q_IS[i] = (float)a[i];
+        }
+        const double b[4] = {c, s * axis[1], s * axis[2], s * axis[3]};
+        state.pose.q_IS[0] = (float)(a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3]);
+        state.pose.q_IS[1] = (float)(a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2]);
+        state.pose.q_IS[2] = (float)(a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1]);
+        state.pose.q_IS[3] = (float)(a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]);
+        make_file();
+        upload();
+        TEST_ASSERT_EQUAL_UINT8(inside ? SSV_LINK_NO_REASON : SSV_LINK_START_POSE, commit(timeline.plan_hash));
+    }
+}
+
 static void test_an_older_timeline_does_not_follow_a_newer_one(void) {
     const ssv_timeline_stamp_t older = {EPOCH_US - 1, 600000};
     upload();
@@ -511,6 +559,10 @@ static void test_a_start_names_the_live_plan_and_comes_in_time_or_is_refused_by_
     now_us += 601 * S;
     TEST_ASSERT_EQUAL_UINT8(SSV_LINK_DENIED, command(SSV_LINK_START, timeline.plan_hash, 0));
     TEST_ASSERT_EQUAL_INT32(SSV_LINK_EXPIRY, answer.of.ack.detail);
+    state.phase = SSV_LINK_EXECUTING; // then the start is one that comes again
+    request.target_sysid = request.target_compid = 1;
+    deliver(frame, ssv_wire_send(&tool, now_us, &request, frame));
+    TEST_ASSERT_EQUAL_INT(SSV_LINK_VEHICLE_COMMANDED, event.kind);
 }
 
 static void test_values_that_mean_nothing_are_denied(void) {
@@ -540,6 +592,24 @@ static void test_a_command_of_the_planner_is_given_again_until_it_is_answered_or
         TEST_ASSERT_EQUAL_INT(SSV_LINK_ACCEPTED, got.of.answer.result);
         TEST_ASSERT_EQUAL_INT(k % 2 == 1 ? SSV_LINK_READY : SSV_LINK_DISARMED, world.state.phase);
     }
+}
+
+static void test_an_upload_that_arrived_otherwise_than_it_was_sent_is_made_anew(void) {
+    static world_t world;
+    world_init(&world, 5760, 1000, 0);
+    ssv_link_planner_upload(&world.planner, file, file_length);
+    int num_spoilt = 0;
+    ssv_link_planner_event_t got = {.kind = SSV_LINK_PLANNER_NOTHING};
+    while (got.kind != SSV_LINK_PLANNER_UPLOADED && world.now_us < 60 * S) {
+        got = world_run(&world, world.now_us + 1000);
+        if (num_spoilt == 0 && world.vehicle.length[1] == file_length) {
+            world.vehicle.image[1][200] ^= 1;
+            num_spoilt++;
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(1, num_spoilt);
+    TEST_ASSERT_EQUAL_INT(SSV_LINK_PLANNER_UPLOADED, got.kind);
+    TEST_ASSERT_EQUAL_MEMORY(file, world.vehicle.image[1], file_length);
 }
 
 static void test_only_what_has_the_length_of_a_timeline_file_is_uploaded(void) {
@@ -577,6 +647,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_every_flipped_bit_of_a_frame_is_counted_or_at_least_not_taken);
     RUN_TEST(test_losses_are_counted_per_peer_by_gaps_in_the_sequence_numbers);
+    RUN_TEST(test_a_frame_that_comes_twice_or_a_peer_that_begins_anew_is_no_loss);
     RUN_TEST(test_more_peers_than_the_table_holds_are_heard_all_the_same);
     RUN_TEST(test_what_is_for_another_system_or_component_is_passed_over);
     RUN_TEST(test_a_pose_comes_back_as_it_was_through_ned_and_frd);
@@ -595,12 +666,14 @@ int main(void) {
     RUN_TEST(test_a_burst_reads_the_live_file_in_chunks_of_the_size_asked_for);
     RUN_TEST(test_a_commit_is_refused_with_its_reason_and_what_is_live_stays);
     RUN_TEST(test_the_start_attitude_may_be_0_05_rad_off_about_any_axis_in_either_sign_of_the_quaternion);
+    RUN_TEST(test_the_start_attitude_is_compared_by_the_angle_between_the_two_whatever_they_are);
     RUN_TEST(test_an_older_timeline_does_not_follow_a_newer_one);
     RUN_TEST(test_a_new_upload_or_a_drop_forgets_what_was_incoming_and_never_what_is_live);
     RUN_TEST(test_the_vehicle_judges_its_commands_and_its_answer_goes_to_who_asked);
     RUN_TEST(test_a_start_names_the_live_plan_and_comes_in_time_or_is_refused_by_the_link);
     RUN_TEST(test_values_that_mean_nothing_are_denied);
     RUN_TEST(test_a_command_of_the_planner_is_given_again_until_it_is_answered_or_given_up);
+    RUN_TEST(test_an_upload_that_arrived_otherwise_than_it_was_sent_is_made_anew);
     RUN_TEST(test_only_what_has_the_length_of_a_timeline_file_is_uploaded);
     RUN_TEST(test_the_stop_takes_the_place_of_a_command_that_waits);
     RUN_TEST(test_the_log_keeps_the_newest_lines_whole);
