@@ -8,7 +8,7 @@
 #define TRIES_MAX 30
 #define RESTARTS_MAX 4
 /// [us] Patience before the first round trip is known, and its bounds after.
-#define PATIENCE_FIRST_US INT64_C(1000000)
+#define PATIENCE_FIRST_US INT64_C(500000)
 #define PATIENCE_MIN_US INT64_C(100000)
 #define PATIENCE_MAX_US INT64_C(4000000)
 /// Answers to so many later requests say that this one is lost.

@@ -150,16 +150,19 @@ static void watch(ssv_link_planner_t* link, int64_t now_us, ssv_link_planner_eve
 size_t ssv_link_planner_receive(ssv_link_planner_t* link, int64_t now_us, const uint8_t* bytes, size_t num_bytes,
                                 ssv_link_planner_event_t* event) {
     ssv_packet_t packet;
+    size_t taken = 0;
     event->kind = SSV_LINK_PLANNER_NOTHING;
-    for (size_t i = 0; i < num_bytes; i++) {
-        if (!ssv_wire_receive(&link->wire, now_us, bytes[i], &packet) || packet.sysid != link->config.vehicle_sysid ||
-            packet.compid != link->config.vehicle_compid)
-            continue;
-        take(link, now_us, &packet, event);
-        if (event->kind != SSV_LINK_PLANNER_NOTHING) return i + 1;
+    for (;;) {
+        while (ssv_wire_next(&link->wire, now_us, &packet)) {
+            if (packet.sysid != link->config.vehicle_sysid || packet.compid != link->config.vehicle_compid) continue;
+            take(link, now_us, &packet, event);
+            if (event->kind != SSV_LINK_PLANNER_NOTHING) return taken;
+        }
+        if (taken == num_bytes) break;
+        ssv_wire_take(&link->wire, bytes[taken++]);
     }
     watch(link, now_us, event);
-    return num_bytes;
+    return taken;
 }
 
 // ---- Sending --------------------------------------------------------------------------------------------------------

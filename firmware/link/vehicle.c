@@ -344,17 +344,20 @@ static void take(ssv_link_vehicle_t* link, int64_t now_us, const ssv_link_vehicl
 size_t ssv_link_vehicle_receive(ssv_link_vehicle_t* link, int64_t now_us, const ssv_link_vehicle_state_t* state,
                                 const uint8_t* bytes, size_t num_bytes, ssv_link_vehicle_event_t* event) {
     ssv_packet_t packet;
+    size_t taken = 0;
     event->kind = SSV_LINK_VEHICLE_NOTHING;
-    for (size_t i = 0; i < num_bytes; i++) {
-        if (!ssv_wire_receive(&link->wire, now_us, bytes[i], &packet)) continue;
-        take(link, now_us, state, &packet, event);
-        if (event->kind != SSV_LINK_VEHICLE_NOTHING) {
-            event->sysid = packet.sysid;
-            event->compid = packet.compid;
-            return i + 1;
+    for (;;) {
+        while (ssv_wire_next(&link->wire, now_us, &packet)) {
+            take(link, now_us, state, &packet, event);
+            if (event->kind != SSV_LINK_VEHICLE_NOTHING) {
+                event->sysid = packet.sysid;
+                event->compid = packet.compid;
+                return taken;
+            }
         }
+        if (taken == num_bytes) return taken;
+        ssv_wire_take(&link->wire, bytes[taken++]);
     }
-    return num_bytes;
 }
 
 // ---- Sending --------------------------------------------------------------------------------------------------------

@@ -274,25 +274,8 @@ static bool read_message(const mavlink_message_t* message, ssv_packet_t* packet)
     }
 }
 
-bool ssv_wire_receive(ssv_wire_t* wire, int64_t now_us, uint8_t byte, ssv_packet_t* packet) {
-    framing_t* framing = framing_of(wire, now_us);
-    const mavlink_message_t* message = &framing->message;
-    switch (mavlink_frame_char_buffer(&framing->message, &framing->status, byte, NULL, NULL)) {
-        case MAVLINK_FRAMING_BAD_CRC:
-            if (mavlink_get_msg_entry(message->msgid) == NULL)
-                wire->statistics.unknown++;
-            else
-                wire->statistics.bad_crc++;
-            return false;
-        case MAVLINK_FRAMING_BAD_SIGNATURE:
-            wire->statistics.bad_signature++;
-            if ((message->incompat_flags & MAVLINK_IFLAG_SIGNED) != 0 &&
-                framing->signing.last_status == MAVLINK_SIGNING_STATUS_TOO_MANY_STREAMS)
-                wire->statistics.refused_streams++;
-            return false;
-        case MAVLINK_FRAMING_OK: break;
-        default: return false;
-    }
+// Whether a good frame is a packet for us.
+static bool accept(ssv_wire_t* wire, const mavlink_message_t* message, ssv_packet_t* packet) {
     count_received(wire, message);
     if (message->msgid == MAVLINK_MSG_ID_SETUP_SIGNING) wire->statistics.refused_signing_setup++;
     const mavlink_msg_entry_t* entry = mavlink_get_msg_entry(message->msgid);
@@ -308,6 +291,52 @@ bool ssv_wire_receive(ssv_wire_t* wire, int64_t now_us, uint8_t byte, ssv_packet
                          (packet->target_compid == 0 || packet->target_compid == wire->compid) &&
                          !(message->sysid == wire->sysid && message->compid == wire->compid);
     return is_ours && read_message(message, packet);
+}
+
+void ssv_wire_take(ssv_wire_t* wire, uint8_t byte) { wire->byte[wire->held++] = byte; }
+
+static void drop(ssv_wire_t* wire, uint16_t count) {
+    wire->held = (uint16_t)(wire->held - count);
+    wire->parsed = 0;
+    memmove(wire->byte, wire->byte + count, wire->held);
+}
+
+// Looks at the next byte; what became of the frame that it is of.
+static uint8_t parse(ssv_wire_t* wire, framing_t* framing) {
+    const uint8_t outcome =
+        mavlink_frame_char_buffer(&framing->message, &framing->status, wire->byte[wire->parsed++], NULL, NULL);
+    const bool is_new = wire->parsed == wire->held; // what is looked at again was counted before
+    switch (outcome) {
+        case MAVLINK_FRAMING_BAD_CRC:
+            if (is_new && mavlink_get_msg_entry(framing->message.msgid) == NULL)
+                wire->statistics.unknown++;
+            else if (is_new)
+                wire->statistics.bad_crc++;
+            framing->status.parse_state = MAVLINK_PARSE_STATE_IDLE; // it would wait for the signature of a bad frame
+            drop(wire, 1);
+            break;
+        case MAVLINK_FRAMING_BAD_SIGNATURE:
+            wire->statistics.bad_signature++;
+            if ((framing->message.incompat_flags & MAVLINK_IFLAG_SIGNED) != 0 &&
+                framing->signing.last_status == MAVLINK_SIGNING_STATUS_TOO_MANY_STREAMS)
+                wire->statistics.refused_streams++;
+            drop(wire, wire->parsed);
+            break;
+        case MAVLINK_FRAMING_OK: drop(wire, wire->parsed); break;
+        default:
+            if (framing->status.parse_state <= MAVLINK_PARSE_STATE_IDLE)
+                drop(wire, 1); // no start of a frame, or of one with flags that nobody knows
+            break;
+    }
+    return outcome;
+}
+
+bool ssv_wire_next(ssv_wire_t* wire, int64_t now_us, ssv_packet_t* packet) {
+    framing_t* framing = framing_of(wire, now_us);
+    while (wire->parsed < wire->held) {
+        if (parse(wire, framing) == MAVLINK_FRAMING_OK && accept(wire, &framing->message, packet)) return true;
+    }
+    return false;
 }
 
 // ---- Sending --------------------------------------------------------------------------------------------------------

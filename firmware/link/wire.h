@@ -86,8 +86,13 @@ typedef struct {
 /// `signing` null: neither signs nor asks for signatures.
 void ssv_wire_init(ssv_wire_t* wire, uint8_t sysid, uint8_t compid, const ssv_link_signing_t* signing);
 
-/// Takes one byte; true when it completed a packet that is for us or for all.
-bool ssv_wire_receive(ssv_wire_t* wire, int64_t now_us, uint8_t byte, ssv_packet_t* packet);
+/// Takes one byte that arrived, once ssv_wire_next has no more.
+void ssv_wire_take(ssv_wire_t* wire, uint8_t byte);
+
+/// The next packet that is for us or for all, out of the bytes taken; false when there is none. What followed a start
+/// of frame that was none is looked through again, so that no frame is lost to it: otherwise bytes of a payload that
+/// look like a start can hide the same frame each time that it comes.
+bool ssv_wire_next(ssv_wire_t* wire, int64_t now_us, ssv_packet_t* packet);
 
 /// Writes the packet's frame, at most SSV_LINK_FRAME_BYTES_MAX, and returns its length. The sender and the time of
 /// the packet are filled in here.

@@ -32,6 +32,12 @@ void setUp(void) {
 }
 void tearDown(void) {}
 
+// Whether this byte makes a packet, which is then in `answer`.
+static bool hear(ssv_wire_t* wire, int64_t us, uint8_t byte) {
+    ssv_wire_take(wire, byte);
+    return ssv_wire_next(wire, us, &answer);
+}
+
 static void deliver(const uint8_t* bytes, size_t length) {
     for (size_t at = 0; at < length;) {
         at += ssv_link_vehicle_receive(&vehicle, now_us, &state, bytes + at, length - at, &event);
@@ -45,7 +51,7 @@ static bool exchange(ssv_packet_kind_t kind) {
     deliver(frame, ssv_wire_send(&tool, now_us, &request, frame));
     for (size_t length; (length = ssv_link_vehicle_poll(&vehicle, now_us, &state, frame)) > 0;) {
         for (size_t i = 0; i < length; i++) {
-            if (ssv_wire_receive(&tool, now_us, frame[i], &answer) && answer.kind == kind) return true;
+            if (hear(&tool, now_us, frame[i]) && answer.kind == kind) return true;
         }
     }
     return false;
@@ -118,6 +124,31 @@ static void test_every_flipped_bit_of_a_frame_is_counted_or_at_least_not_taken(v
     TEST_ASSERT_EQUAL_INT(SSV_LINK_VEHICLE_BEAT, event.kind);
 }
 
+static int beats_heard(const uint8_t* bytes, size_t length) {
+    int count = 0;
+    for (size_t at = 0; at < length;) {
+        at += ssv_link_vehicle_receive(&vehicle, 0, &state, bytes + at, length - at, &event);
+        count += event.kind == SSV_LINK_VEHICLE_BEAT;
+    }
+    return count;
+}
+
+static void test_bytes_that_look_like_a_start_hide_no_frame(void) {
+    // A false start that claims 255 bytes of payload, again and again, between frames that are good.
+    static const uint8_t starts[][12] = {
+        {0xfd, 255, 0, 0}, {0xfd, 255, 1, 0}, {0xfe, 255, 0, 0}, {0xfd, 3, 0x80}, {0xfd, 0xfd, 0}};
+    static const uint8_t silence[400];
+    int num_heard = 0;
+    for (int k = 0; k < 100; k++) {
+        num_heard += beats_heard(starts[k % 5], (size_t)(1 + k % 12));
+        request = (ssv_packet_t){.kind = SSV_PACKET_BEAT, .of.beat.progress = (uint32_t)k};
+        num_heard += beats_heard(frame, ssv_wire_send(&tool, 0, &request, frame));
+    }
+    num_heard += beats_heard(silence, sizeof silence);
+    TEST_ASSERT_EQUAL_INT(100, num_heard);
+    TEST_ASSERT_EQUAL_UINT32(0, vehicle.wire.statistics.lost);
+}
+
 static void test_losses_are_counted_per_peer_by_gaps_in_the_sequence_numbers(void) {
     ssv_wire_t other;
     ssv_wire_init(&other, 9, 9, NULL);
@@ -181,7 +212,7 @@ static void test_a_pose_comes_back_as_it_was_through_ned_and_frd(void) {
         request = (ssv_packet_t){.kind = kinds[i], .of.pose = pose};
         const size_t length = ssv_wire_send(&tool, 0, &request, frame);
         bool got = false;
-        for (size_t k = 0; k < length; k++) got = ssv_wire_receive(&receiver, 0, frame[k], &answer);
+        for (size_t k = 0; k < length; k++) got = hear(&receiver, 0, frame[k]);
         TEST_ASSERT_TRUE(got);
         if (i == 0) {
             TEST_ASSERT_EQUAL_MEMORY(pose.q_IS, answer.of.pose.q_IS, sizeof pose.q_IS);
@@ -403,8 +434,7 @@ static void test_a_burst_reads_the_live_file_in_chunks_of_the_size_asked_for(voi
         TEST_ASSERT_TRUE(answer.of.ftp.size == 77 || at == file_length);
         bool got = at == file_length;
         for (size_t length; !got && (length = ssv_link_vehicle_poll(&vehicle, now_us, &state, frame)) > 0;) {
-            for (size_t i = 0; i < length; i++)
-                got = ssv_wire_receive(&tool, now_us, frame[i], &answer) && answer.kind == SSV_PACKET_FTP;
+            for (size_t i = 0; i < length; i++) got = hear(&tool, now_us, frame[i]) && answer.kind == SSV_PACKET_FTP;
         }
         TEST_ASSERT_TRUE(got);
         now_us += 14 * S; // 14 s between frames of the burst: what goes out keeps the session alive
@@ -542,7 +572,7 @@ static void test_the_vehicle_judges_its_commands_and_its_answer_goes_to_who_aske
     ssv_link_vehicle_answer(&vehicle, &event, SSV_LINK_DENIED, SSV_LINK_NOT_ARMED);
     const size_t length = ssv_link_vehicle_poll(&vehicle, now_us, &state, frame);
     bool got = false;
-    for (size_t i = 0; i < length; i++) got = ssv_wire_receive(&tool, now_us, frame[i], &answer);
+    for (size_t i = 0; i < length; i++) got = hear(&tool, now_us, frame[i]);
     TEST_ASSERT_TRUE(got && answer.kind == SSV_PACKET_ACK);
     TEST_ASSERT_EQUAL_UINT8(190, answer.target_compid);
     TEST_ASSERT_EQUAL_UINT8(SSV_LINK_DENIED, answer.of.ack.result);
@@ -646,6 +676,7 @@ static void test_the_log_keeps_the_newest_lines_whole(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_every_flipped_bit_of_a_frame_is_counted_or_at_least_not_taken);
+    RUN_TEST(test_bytes_that_look_like_a_start_hide_no_frame);
     RUN_TEST(test_losses_are_counted_per_peer_by_gaps_in_the_sequence_numbers);
     RUN_TEST(test_a_frame_that_comes_twice_or_a_peer_that_begins_anew_is_no_loss);
     RUN_TEST(test_more_peers_than_the_table_holds_are_heard_all_the_same);

@@ -175,6 +175,8 @@ typedef struct {
 /// Framing state; its content is the business of link/wire.c.
 typedef struct {
     uint64_t memory[56];
+    uint16_t held, parsed; ///< bytes of the frame under way, and those looked at
+    uint8_t byte[SSV_LINK_FRAME_BYTES_MAX];
     uint8_t sysid, compid;
     ssv_link_statistics_t statistics;
 } ssv_wire_t;
