@@ -331,8 +331,9 @@ typedef struct {
 /// Starts the link with no timeline, live or incoming.
 void ssv_link_vehicle_init(ssv_link_vehicle_t* link, const ssv_link_vehicle_config_t* config);
 
-/// Takes bytes that arrived, up to and including those that make an event. Returns how many it took; `event->kind` is
-/// SSV_LINK_VEHICLE_NOTHING when it took all without one.
+/// Takes bytes that arrived, up to and including those that make an event. Returns how many it took, which may be none
+/// when bytes that came before make another event; `event->kind` is SSV_LINK_VEHICLE_NOTHING when it took all without
+/// one.
 size_t ssv_link_vehicle_receive(ssv_link_vehicle_t* link, int64_t now_us, const ssv_link_vehicle_state_t* state,
                                 const uint8_t* bytes, size_t num_bytes, ssv_link_vehicle_event_t* event);
 
