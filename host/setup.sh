@@ -50,9 +50,12 @@ _ssv_missing_packages() {
         debian13) wanted+=(libglib2.0-0t64) ;;
     esac
     if [[ $2 == tests ]]; then
-        wanted+=(clang libclang-rt-dev default-jdk-headless)
+        wanted+=(clang g++ libclang-rt-dev llvm default-jdk-headless) # llvm: names in the stack traces of findings
         wanted+=(clang-tidy cppcheck) # the target check
         wanted+=(gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm) # tests on bare Cortex-M cores
+        if [[ -n ${SSV_LONG:-} ]]; then
+            wanted+=(tshark) # the link as a tool of others sees it
+        fi
         # and on other processors with an operating system
         wanted+=(gcc-aarch64-linux-gnu gcc-arm-linux-gnueabihf libc6-dev-arm64-cross libc6-dev-armhf-cross qemu-user)
     fi
@@ -109,16 +112,18 @@ _ssv_check_python() {
     fi
 }
 
-# build/venv with exactly host/requirements.txt; the stamp spares the second run the network.
+# build/venv with exactly what the requirement files say; the stamp spares the second run the network.
 _ssv_make_venv() {
-    local requirements=$SSV_ROOT/host/requirements.txt stamp=$SSV_BUILD/venv/requirements.stamp wanted
-    wanted="$(python3 --version) $(sha256sum <"$requirements") $SSV_BUILD"
+    local lcm=$SSV_ROOT/host/requirements.txt mavlink=$SSV_ROOT/firmware/link/requirements.txt
+    local stamp=$SSV_BUILD/venv/requirements.stamp wanted
+    wanted="$(python3 --version) $(cat "$lcm" "$mavlink" | sha256sum) $SSV_BUILD"
     if [[ -f $stamp && $(<"$stamp") == "$wanted" ]]; then
         return
     fi
     _ssv_check_python
     _ssv_step "Making a Python environment" python3 -m venv --clear "$SSV_BUILD/venv"
-    _ssv_step "Fetching LCM" "$SSV_PYTHON" -m pip install --no-deps --only-binary :all: --require-hashes -r "$requirements"
+    _ssv_step "Fetching LCM and pymavlink" "$SSV_PYTHON" -m pip install --no-deps --only-binary :all: --require-hashes \
+        -r "$lcm" -r "$mavlink"
     printf '%s\n' "$wanted" >"$stamp"
 }
 
@@ -151,6 +156,19 @@ ssv_build() {
     _ssv_step "Building ${folder#"$SSV_ROOT/"}" cmake --build "$folder"
 }
 
+# build/judges with exactly tests/requirements-judges.txt: packages that the tests alone import.
+_ssv_fetch_judges() {
+    local requirements=$SSV_ROOT/tests/requirements-judges.txt stamp=$SSV_BUILD/judges/requirements.stamp wanted
+    wanted="$(python3 --version) $(sha256sum <"$requirements")"
+    if [[ -f $stamp && $(<"$stamp") == "$wanted" ]]; then
+        return
+    fi
+    rm -rf "$SSV_BUILD/judges"
+    _ssv_step "Fetching MuJoCo and SciPy" "$SSV_PYTHON" -m pip install --no-deps --only-binary :all: --require-hashes \
+        --target "$SSV_BUILD/judges" -r "$requirements"
+    printf '%s\n' "$wanted" >"$stamp"
+}
+
 ssv_setup() {
     local tests=OFF
     mkdir -p "$SSV_BUILD"
@@ -161,6 +179,7 @@ ssv_setup() {
         tests=ON
         _ssv_fetch_checks
         _ssv_step "Looking for Unity" python3 "$SSV_ROOT/tests/support/fetch_unity.py"
+        _ssv_fetch_judges
     fi
     ssv_build "$SSV_BUILD" -DSSV_BUILD_TESTS=$tests
 }

@@ -11,6 +11,7 @@ from core import ROOT, code_of, in_a_cycle
 CORE_API = tuple(f"firmware/include/ssv/{name}.h"
                  for name in ("planner", "plan", "scenario", "timeline", "vec3", "real", "real_double", "real_float", "real_fixed"))
 TIMELINE_API = "firmware/include/ssv/timeline.h"
+LINK_API = "firmware/include/ssv/link.h"
 ANSWER_API = "firmware/include/ssv/answer.h"
 FIELDS = "firmware/planner/model/fields.def"
 WIRE_API = tuple(f"host/wire/{name}.h" for name in ("message", "names", "tree"))
@@ -19,17 +20,22 @@ WIRE_API = tuple(f"host/wire/{name}.h" for name in ("message", "names", "tree"))
 MAY_INCLUDE = {
     "firmware/include/ssv": {*CORE_API, "lcmtypes"},
     "firmware/planner": {*CORE_API},
+    "firmware/link": {TIMELINE_API, LINK_API, "mavlink"},
     "firmware/target": set(),
     "firmware/daemon": {*CORE_API, ANSWER_API, FIELDS, "lcmtypes", "lcm"},
     "host/wire": {ANSWER_API, "lcmtypes", "fyaml", "jansson"},
     "host": {*CORE_API, ANSWER_API, *WIRE_API, "lcmtypes", "lcm", "jansson"},
-    "sim": {"jansson"},
+    "sim/physics": set(),
+    "sim/replay": {"sim/physics", "jansson"},
 }
 # Single files that may include more than their folder: what reads plans knows the message types.
-FILE_MAY_INCLUDE = {"sim/plan_file.c": {"lcmtypes", *WIRE_API}}
+FILE_MAY_INCLUDE = {"sim/replay/plan_file.c": {"lcmtypes", *WIRE_API}}
 LIBRARIES = {"lcm": r"lcm/", "fyaml": r"libfyaml", "jansson": r"jansson", "mavlink": r"(?:\w+/)?mavlink", "glib": r"glib"}
 INCLUDE_ROOTS = ("firmware/include", "firmware", "sim", "host")
 
+# The generated MAVLink code is of one file, whose packets all others know.
+MAVLINK_USER = "firmware/link/wire.c"
+LINK_SYSTEM_HEADERS = {"float.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
 CORE_SYSTEM_HEADERS = {"assert.h", "float.h", "limits.h", "stdatomic.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
 # The storeys of the core: what the files of each folder may include of the others; those in no folder may include all.
 STOREYS = {"math": set(), "model": {"math"}, "profile": {"math"}, "motion": {"math", "model", "profile"},
@@ -44,6 +50,9 @@ NOT_IN_CORE = {
                         r"fmax|fmod|floor|ceil|round|trunc|l?lround|nextafter|copysign|isnan|isinf|isfinite)[fl]?\s*\(",
     "a scalar other than real_t": r"\b(?:float|double)\b",
 }
+
+
+NOT_IN_LINK = ("heap", "input or output", "operating system", "libm past real.h")
 
 
 def folder_of(path):
@@ -84,13 +93,19 @@ def include_breaches(root, path, text, modules):
                 yield f'"{name}" is in no folder that may be included'
             elif folder == "firmware/planner" and name not in CORE_SYSTEM_HEADERS:
                 yield f"<{name}> is not for the core"
+            elif folder == "firmware/link" and name not in LINK_SYSTEM_HEADERS:
+                yield f"<{name}> is not for the link"
             elif name == "math.h" and folder == "firmware/include/ssv" and not re.search(r"/real_(double|float)\.h$", path):
                 yield "<math.h> is for the scalars alone"
             continue
-        if target not in MAY_INCLUDE[folder] | FILE_MAY_INCLUDE.get(path, set()) and folder_of(target) != folder:
+        if not {target, folder_of(target)} & {*MAY_INCLUDE[folder], *FILE_MAY_INCLUDE.get(path, set()), folder}:
             yield f"must not include {target}"
         if path == TIMELINE_API:
             yield "the vehicle flies it without the planner or its scalar: it includes nothing of ours"
+        if target == "mavlink" and path != MAVLINK_USER:
+            yield f"the generated code is for {MAVLINK_USER} alone"
+        if path == LINK_API and target != TIMELINE_API:
+            yield "the link stands on the timeline alone"
         if path in CORE_API and target not in CORE_API:
             yield f"the core's headers stand by themselves, without {target}"
         if module_of(target) != module_of(path):
@@ -100,12 +115,12 @@ def include_breaches(root, path, text, modules):
                 yield f"{storey} must not know {below}"
 
 
-def word_breaches(text):
-    """Words in a file of the core that it must not know."""
+def word_breaches(text, where, words):
+    """Words in a file of the core or the link that it must not know."""
     for number, line in enumerate(code_of(text).splitlines(), 1):
-        for what, pattern in NOT_IN_CORE.items():
-            if match := re.search(pattern, line):
-                yield f"line {number}: {what} in the core: {match[0].strip()}"
+        for what in words:
+            if match := re.search(NOT_IN_CORE[what], line):
+                yield f"line {number}: {what} in the {where}: {match[0].strip()}"
 
 
 def breaches(root):
@@ -120,7 +135,9 @@ def breaches(root):
             found.append(f"{path}: in no storey of the core, see STOREYS")
         found += [f"{path}: {breach}" for breach in include_breaches(root, path, text, modules)]
         if folder_of(path) == "firmware/planner":
-            found += [f"{path}: {breach}" for breach in word_breaches(text)]
+            found += [f"{path}: {breach}" for breach in word_breaches(text, "core", NOT_IN_CORE)]
+        if folder_of(path) == "firmware/link":
+            found += [f"{path}: {breach}" for breach in word_breaches(text, "link", NOT_IN_LINK)]
     return found + [f"{module}: includes itself through other modules" for module in in_a_cycle(modules)]
 
 
@@ -153,17 +170,38 @@ class Layers(unittest.TestCase):
             ("firmware/include/ssv/vec3.h", "#include <math.h>"): "for the scalars alone",
             ("firmware/include/ssv/planner.h", '#include "lcm_ssv_plan_t.h"'): "stand by themselves",
             ("firmware/include/ssv/timeline.h", '#include "ssv/real.h"'): "includes nothing of ours",
+            ("firmware/link/server.c", '#include "ssv/mavlink.h"'): "is for firmware/link/wire.c alone",
+            ("firmware/link/vehicle.c", '#include "ssv/plan.h"'): "must not include firmware/include/ssv/plan.h",
+            ("firmware/link/vehicle.c", '#include "planner/model/body.h"'): "must not include firmware/planner",
+            ("firmware/link/planner.c", '#include "lcm_ssv_plan_t.h"'): "must not include lcmtypes",
+            ("firmware/link/planner.c", "#include <lcm/lcm.h>"): "must not include lcm",
+            ("firmware/link/planner.c", "#include <stdio.h>"): "is not for the link",
+            ("firmware/link/planner.c", "#include <time.h>"): "is not for the link",
+            ("firmware/link/planner.c", "void* p = malloc(3);"): "heap in the link",
+            ("firmware/link/planner.c", "long f(void) { return time(0); }"): "operating system in the link",
+            ("firmware/include/ssv/link.h", '#include "ssv/scenario.h"'): "stands on the timeline alone",
+            ("firmware/include/ssv/link.h", '#include "ssv/mavlink.h"'): "is for firmware/link/wire.c alone",
+            ("firmware/planner/motion/maneuver.c", '#include "link/wire.h"'): "must not include firmware/link/wire.h",
+            ("firmware/planner/motion/maneuver.c", '#include "ssv/mavlink.h"'): "must not include mavlink",
             ("firmware/daemon/answer.c", '#include "planner/motion/maneuver.h"'): "must not include firmware/planner/motion/maneuver.h",
             ("host/planted.c", '#include "planner/motion/maneuver.h"'): "must not include firmware/planner/motion/maneuver.h",
-            ("host/planted.c", '#include "rigid_body.h"'): "must not include sim/rigid_body.h",
             ("host/wire/tree.c", '#include "cli/report.h"'): "must not include host/cli/report.h",
             ("host/cli/report.c", "#include <libfyaml.h>"): "must not include fyaml",
-            ("sim/rigid_body.c", '#include "wire/message.h"'): "must not include host/wire/message.h",
-            ("sim/replay.c", '#include "lcm_ssv_plan_t.h"'): "must not include lcmtypes",
+            ("sim/physics/rigid_body.c", '#include "wire/message.h"'): "must not include host/wire/message.h",
+            ("sim/replay/replay.c", '#include "lcm_ssv_plan_t.h"'): "must not include lcmtypes",
             ("firmware/planner/motion/path.c", '#include "channels.h"'): "must not include lcmtypes",
+            ("host/planted.c", '#include "physics/rigid_body.h"'): "must not include sim/physics/rigid_body.h",
             ("firmware/planted.c", ""): "in a folder without a rule",
-            ("sim/planted.c", '#include "ssv/vec3.h"'): "must not include firmware/include/ssv/vec3.h",
-            ("sim/planted.c", '#include "planner/motion/maneuver.h"'): "must not include firmware/planner/motion/maneuver.h",
+            ("sim/planted.c", ""): "in a folder without a rule",
+            ("sim/physics/planted.c", '#include "ssv/vec3.h"'): "must not include firmware/include/ssv/vec3.h",
+            ("sim/physics/planted.c", '#include "planner/motion/maneuver.h"'):
+                "must not include firmware/planner/motion/maneuver.h",
+            ("sim/physics/planted.c", '#include "lcm_ssv_plan_t.h"'): "must not include lcmtypes",
+            ("sim/physics/planted.c", "#include <jansson.h>"): "must not include jansson",
+            ("sim/physics/planted.c", '#include "replay/replay.h"'): "must not include sim/replay/replay.h",
+            ("sim/replay/planted.c", '#include "ssv/vec3.h"'): "must not include firmware/include/ssv/vec3.h",
+            ("sim/replay/planted.c", '#include "planner/motion/maneuver.h"'):
+                "must not include firmware/planner/motion/maneuver.h",
         }
         for (path, line), expected in planted.items():
             with self.subTest(path=path, line=line), tempfile.TemporaryDirectory() as scratch:

@@ -2,7 +2,7 @@
 #ifndef TESTS_FLIGHT_H
 #define TESTS_FLIGHT_H
 
-#include "replay.h"
+#include "replay/replay.h"
 #include "ssv/planner.h"
 
 /// Flies the plan of the problem open loop with steps of at most step_s. The plan must be SSV_OK.

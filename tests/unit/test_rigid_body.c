@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "rigid_body.h"
+#include "physics/rigid_body.h"
 #include "unity.h"
 
 #define COUNT_OF(a) (sizeof(a) / sizeof(a)[0])

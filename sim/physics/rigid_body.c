@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#define STANDARD_GRAVITY_M_S2 9.80665
+
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 static double norm(const double a[3]) { return sqrt(dot(a, a)); }
@@ -97,6 +99,19 @@ static void add_wrench_of_part(const rb_pose_t* X_b, const double wrench_part[6]
     }
 }
 
+static void assemble_weight(rb_craft_t* craft) {
+    for (int part = 0; part < craft->num_bodies; part++) {
+        const rb_body_t* body = &craft->body[part];
+        const double buoyancy_N = body->mass_kg * STANDARD_GRAVITY_M_S2 - body->net_weight_N;
+        double lever[3];
+        rb_rotate(craft->X_b[part].q, body->centre_of_buoyancy_m, lever);
+        craft->lift_N -= body->net_weight_N;
+        for (int i = 0; i < 3; i++) {
+            craft->lift_moment_Nm[i] += buoyancy_N * lever[i] - body->net_weight_N * craft->X_b[part].p_m[i];
+        }
+    }
+}
+
 static void assemble_mass(rb_craft_t* craft) {
     memset(craft->M, 0, sizeof craft->M);
     for (int part = 0; part < craft->num_bodies; part++) {
@@ -107,7 +122,7 @@ static void assemble_mass(rb_craft_t* craft) {
             velocity_of_part(&craft->X_b[part], nu, nu_part);
             for (int i = 0; i < 3; i++) {
                 momentum[i] = (body->mass_kg + body->added_mass_kg[i]) * nu_part[i];
-                momentum[3 + i] = body->inertia_kg_m2[i] * nu_part[3 + i];
+                momentum[3 + i] = (body->inertia_kg_m2[i] + body->added_inertia_kg_m2[i]) * nu_part[3 + i];
             }
             add_wrench_of_part(&craft->X_b[part], momentum, image);
             for (int row = 0; row < 6; row++) {
@@ -127,13 +142,20 @@ static void assemble_mass(rb_craft_t* craft) {
     }
 }
 
+static void assemble(rb_craft_t* craft) {
+    craft->lift_N = 0;
+    memset(craft->lift_moment_Nm, 0, sizeof craft->lift_moment_Nm);
+    assemble_weight(craft);
+    assemble_mass(craft);
+}
+
 void rb_craft_alone(rb_craft_t* craft, const rb_body_t* body) {
     const rb_pose_t identity = {{0, 0, 0}, {1, 0, 0, 0}};
     memset(craft, 0, sizeof *craft);
     craft->num_bodies = 1;
     craft->body[0] = *body;
     craft->X_b[0] = identity;
-    assemble_mass(craft);
+    assemble(craft);
 }
 
 void rb_craft_joined(rb_craft_t* craft, const rb_body_t* first, const rb_body_t* second, const rb_pose_t* X_b) {
@@ -141,7 +163,7 @@ void rb_craft_joined(rb_craft_t* craft, const rb_body_t* first, const rb_body_t*
     craft->num_bodies = 2;
     craft->body[1] = *second;
     craft->X_b[1] = *X_b;
-    assemble_mass(craft);
+    assemble(craft);
 }
 
 void rb_momentum(const rb_craft_t* craft, const double nu[6], double momentum[6]) {
@@ -169,6 +191,16 @@ void rb_velocity(const rb_craft_t* craft, const double momentum[6], double nu[6]
         }
         nu[row] /= craft->M_chol[row][row];
     }
+}
+
+rb_pose_t rb_take_hold(rb_craft_t* craft, rb_state_t* state, const rb_body_t* second, const rb_pose_t* X_n) {
+    const rb_body_t first = craft->body[0];
+    const rb_pose_t X_b = rb_relative(&state->eta, X_n);
+    double momentum[6];
+    rb_momentum(craft, state->nu, momentum);
+    rb_craft_joined(craft, &first, second, &X_b);
+    rb_velocity(craft, momentum, state->nu);
+    return X_b;
 }
 
 /// Antiderivatives at x of r, x r and x^2 r with r = sqrt(x^2 + c2).
@@ -240,6 +272,16 @@ void rb_drag(const rb_craft_t* craft, const double nu[6], double tau[6]) {
     }
 }
 
+void rb_weight(const rb_craft_t* craft, const double q[4], double tau[6]) {
+    const double up_n[3] = {0, 0, 1};
+    double up_b[3];
+    rb_rotate_back(q, up_n, up_b);
+    for (int i = 0; i < 3; i++) {
+        tau[i] = craft->lift_N * up_b[i];
+    }
+    rb_cross(craft->lift_moment_Nm, up_b, tau + 3);
+}
+
 void rb_thrust(int num_thrusters, const rb_thruster_t* thruster, const double* u_N, double tau[6]) {
     memset(tau, 0, 6 * sizeof *tau);
     for (int t = 0; t < num_thrusters; t++) {
@@ -266,13 +308,22 @@ void rb_acceleration(const rb_craft_t* craft, const double nu[6], const double t
     rb_velocity(craft, momentum_rate, nu_rate);
 }
 
-/// Time derivative of a state, in a state's own shape.
-static rb_state_t rate_of(const rb_craft_t* craft, const rb_state_t* state, const double tau[6]) {
+/// Time derivative of a state whose nu is through the water, in a state's own shape.
+static rb_state_t rate_of(const rb_craft_t* craft, const rb_state_t* state, const double tau[6],
+                          const double current_n_m_s[3]) {
     const double spin[4] = {0, state->nu[3] / 2, state->nu[4] / 2, state->nu[5] / 2};
+    double wrench[6];
     rb_state_t rate;
+    rb_weight(craft, state->eta.q, wrench);
+    for (int i = 0; i < 6; i++) {
+        wrench[i] += tau[i];
+    }
     rb_rotate(state->eta.q, state->nu, rate.eta.p_m);
+    for (int i = 0; i < 3; i++) {
+        rate.eta.p_m[i] += current_n_m_s[i];
+    }
     quaternion_product(state->eta.q, spin, rate.eta.q);
-    rb_acceleration(craft, state->nu, tau, rate.nu);
+    rb_acceleration(craft, state->nu, wrench, rate.nu);
     return rate;
 }
 
@@ -291,22 +342,28 @@ static void add_scaled(rb_state_t* state, double dt_s, const rb_state_t* rate) {
     normalise(state->eta.q);
 }
 
-void rb_step(const rb_craft_t* craft, rb_state_t* state, const double tau_start[6], const double tau_end[6],
-             double dt_s) {
-    double tau_middle[6];
-    for (int i = 0; i < 6; i++) {
-        tau_middle[i] = (tau_start[i] + tau_end[i]) / 2;
+/// Takes state->nu from over ground to through the water (sign -1), or back (sign 1).
+static void add_current(rb_state_t* state, double sign, const double current_n_m_s[3]) {
+    double current_b[3];
+    rb_rotate_back(state->eta.q, current_n_m_s, current_b);
+    for (int i = 0; i < 3; i++) {
+        state->nu[i] += sign * current_b[i];
     }
-    const rb_state_t k1 = rate_of(craft, state, tau_start);
+}
+
+void rb_step_in_current(const rb_craft_t* craft, rb_state_t* state, const double tau[3][6],
+                        const double current_n_m_s[3], double dt_s) {
+    add_current(state, -1, current_n_m_s);
+    const rb_state_t k1 = rate_of(craft, state, tau[0], current_n_m_s);
     rb_state_t trial = *state;
     add_scaled(&trial, dt_s / 2, &k1);
-    const rb_state_t k2 = rate_of(craft, &trial, tau_middle);
+    const rb_state_t k2 = rate_of(craft, &trial, tau[1], current_n_m_s);
     trial = *state;
     add_scaled(&trial, dt_s / 2, &k2);
-    const rb_state_t k3 = rate_of(craft, &trial, tau_middle);
+    const rb_state_t k3 = rate_of(craft, &trial, tau[1], current_n_m_s);
     trial = *state;
     add_scaled(&trial, dt_s, &k3);
-    const rb_state_t k4 = rate_of(craft, &trial, tau_end);
+    const rb_state_t k4 = rate_of(craft, &trial, tau[2], current_n_m_s);
 
     rb_state_t mean = k1;
     for (int i = 0; i < 3; i++) {
@@ -319,4 +376,17 @@ void rb_step(const rb_craft_t* craft, rb_state_t* state, const double tau_start[
         mean.nu[i] = (k1.nu[i] + 2 * k2.nu[i] + 2 * k3.nu[i] + k4.nu[i]) / 6;
     }
     add_scaled(state, dt_s, &mean);
+    add_current(state, 1, current_n_m_s);
+}
+
+void rb_step(const rb_craft_t* craft, rb_state_t* state, const double tau_start[6], const double tau_end[6],
+             double dt_s) {
+    static const double still[3];
+    double tau[3][6];
+    for (int i = 0; i < 6; i++) {
+        tau[0][i] = tau_start[i];
+        tau[1][i] = (tau_start[i] + tau_end[i]) / 2;
+        tau[2][i] = tau_end[i];
+    }
+    rb_step_in_current(craft, state, (const double(*)[6])tau, still, dt_s);
 }

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "physics/contact.h"
+
 #define DEG_PER_RAD 57.295779513082320877
 #define COARSEST_STEP_S 0.02
 #define HALVINGS 6
@@ -14,47 +16,27 @@ static double distance(const double a[3], const double b[3]) {
     return norm(d);
 }
 
-/// Between two unit vectors; exact near 0 and pi, where acos is not.
-static double angle_rad(const double a[3], const double b[3]) {
-    double c[3];
-    rb_cross(a, b, c);
-    return atan2(norm(c), a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
-}
-
 static double turn_rad(const rb_pose_t* X_a, const rb_pose_t* X_b) {
     const rb_pose_t between = rb_relative(X_a, X_b);
     return 2 * atan2(norm(between.q + 1), fabs(between.q[0]));
 }
 
-static replay_arrival_t arrival_at_mate(const plan_file_t* plan, const rb_state_t* vehicle) {
-    const double phi = plan->ring_angle_rad, ahead_S[3] = {1, 0, 0};
-    const double radius_m = plan->standoff_m;
-    const rb_pose_t place = {{radius_m * cos(phi), radius_m * sin(phi), plan->attach_height_m}, {1, 0, 0, 0}};
-    const double inward_B[3] = {-cos(phi), -sin(phi), 0};
-    const rb_pose_t ideal = rb_compose(&plan->X_IB, &place);
-    double ahead_I[3], inward_I[3];
-    rb_rotate(vehicle->eta.q, ahead_S, ahead_I);
-    rb_rotate(plan->X_IB.q, inward_B, inward_I);
-    const replay_arrival_t r = {1000 * distance(vehicle->eta.p_m, ideal.p_m),
-                                DEG_PER_RAD * angle_rad(ahead_I, inward_I), norm(vehicle->nu), norm(vehicle->nu + 3)};
+static replay_arrival_t in_report_units(sim_arrival_t arrival) {
+    const replay_arrival_t r = {1000 * arrival.position_m, DEG_PER_RAD * arrival.angle_rad, arrival.speed_m_s,
+                                arrival.rate_rad_s};
     return r;
 }
 
+static replay_arrival_t arrival_at_mate(const plan_file_t* plan, const rb_state_t* vehicle) {
+    const sim_mate_place_t place = {plan->standoff_m, plan->attach_height_m, plan->ring_angle_rad};
+    return in_report_units(sim_arrival_at_mate(vehicle, &plan->X_IB, &place));
+}
+
 static replay_arrival_t arrival_at_dock(const plan_file_t* plan, const rb_state_t* vehicle, const rb_pose_t* X_SB) {
-    const double side = plan->contact == 1 ? -1 : 1, outward_B[3] = {0, 0, side};
-    const rb_pose_t contact_B = {{0, 0, side * plan->beam.length_m / 2}, {1, 0, 0, 0}};
-    const rb_pose_t contact_S = rb_compose(X_SB, &contact_B), contact = rb_compose(&vehicle->eta, &contact_S);
-    const double into_port_I[3] = {-plan->axis_I[0], -plan->axis_I[1], -plan->axis_I[2]};
-    double outward_I[3], contact_velocity[3];
-    rb_rotate(contact.q, outward_B, outward_I);
-    rb_cross(vehicle->nu + 3, contact_S.p_m, contact_velocity);
-    for (int i = 0; i < 3; i++) {
-        contact_velocity[i] += vehicle->nu[i];
-    }
-    const replay_arrival_t r = {1000 * distance(contact.p_m, plan->p_IP_m),
-                                DEG_PER_RAD * angle_rad(outward_I, into_port_I),
-                                fmax(norm(vehicle->nu), norm(contact_velocity)), norm(vehicle->nu + 3)};
-    return r;
+    sim_port_t port = {.contact = plan->contact};
+    memcpy(port.p_nP_m, plan->p_IP_m, sizeof port.p_nP_m);
+    memcpy(port.axis_n, plan->axis_I, sizeof port.axis_n);
+    return in_report_units(sim_arrival_at_dock(vehicle, X_SB, plan->beam.length_m, &port));
 }
 
 /// Integral of |u| along a straight line from a to b: a trapezium, or two triangles when it crosses zero.
@@ -87,11 +69,7 @@ void replay_fly(const plan_file_t* plan, double step_s, replay_flight_t* flight)
     for (size_t s = 0; s <= plan->num_segments; s++) {
         if (s == plan->num_transit_segments) {
             flight->mate = arrival_at_mate(plan, &state);
-            X_SB = rb_relative(&state.eta, &plan->X_IB);
-            double momentum[6];
-            rb_momentum(&craft, state.nu, momentum);
-            rb_craft_joined(&craft, &plan->vehicle, &plan->beam, &X_SB);
-            rb_velocity(&craft, momentum, state.nu);
+            X_SB = rb_take_hold(&craft, &state, &plan->beam, &plan->X_IB);
         }
         if (s < plan->num_segments) {
             fly_segment(plan, &plan->segment[s], &craft, step_s, &state);

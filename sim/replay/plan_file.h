@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "rigid_body.h"
+#include "physics/rigid_body.h"
 
 #define PLAN_THRUSTERS 6
 
