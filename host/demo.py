@@ -133,7 +133,7 @@ def our_values(answer):
     # In both flights body x lies along x_I and body y along y_I, so these thrusters push along them.
     along_x, along_y, every = (0, 1), (2, 3), range(6)
     start = pair_centre(scenario, pair_turn["X_IS_start"]["p_m"], scenario["X_IB"]["p_m"])
-    end = pair_centre(scenario, plan["X_IS_final"]["p_m"], plan["X_IB_final"]["p_m"])
+    end = pair_centre(scenario, plan["quote"]["X_IS_final"]["p_m"], plan["quote"]["X_IB_final"]["p_m"])
     turn_angle, turn_axis = rotation(turn["X_IS_start"]["q"], turn["X_IS_end"]["q"])
     pair_angle, pair_axis = rotation(pair_turn["X_IS_start"]["q"], pair_turn["X_IS_end"]["q"])
     return {
@@ -248,16 +248,16 @@ def print_gain(paper, optimal):
 
 
 def print_effort(what, plans, log):
-    """What the planner's log says about the plans: size on the wire and time to plan."""
-    sizes, times_ms = [], []
+    """What the planner's log says about the plans: length of the timeline and time to plan."""
+    lengths, times_ms = [], []
     for plan in plans:
-        request_id = plan["plan"]["quote"]["request_id"]
-        line = re.search(rf"scenario {request_id}: ok,.* (\d+) bytes, planned in ([\d.]+) ms", log)
+        request_id = plan["plan"]["answer"]["asker"]["request_id"]
+        line = re.search(rf"scenario {request_id}: ok,.* (\d+) segments, planned in ([\d.]+) ms", log)
         if line is None:
             raise Failed(f"The planner's log does not tell of request {request_id}.")
-        sizes.append(int(line[1]))
+        lengths.append(int(line[1]))
         times_ms.append(float(line[2]))
-    print(f"{len(plans)} plans {what} received over LCM: {min(sizes)} to {max(sizes)} bytes each, "
+    print(f"{len(plans)} plans {what} received over LCM: {min(lengths)} to {max(lengths)} thrust segments each, "
           f"planned in {min(times_ms):.4g} to {max(times_ms):.4g} ms.")
 
 

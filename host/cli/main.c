@@ -21,7 +21,7 @@ static const char doc[] =
     "do it."
     "\vCommands:\n"
     "  plan      plan one task, described by a scenario file\n"
-    "  quote     what up to 16 tasks cost, side by side, without their plans\n"
+    "  quote     what tasks cost, side by side, without their plans\n"
     "  scenario  the question as understood, every default filled in\n"
     "\n"
     "`ssv COMMAND --help` tells about a command.";

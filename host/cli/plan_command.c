@@ -100,15 +100,21 @@ int plan_command(int argc, char** argv) {
         scenario_file_close(&file);
         return conclude(&options, &question, &refused);
     }
-    task_stamp(&question.request_id, &question.epoch_us);
+    if (!ask_stamp(&question.asker, error, sizeof error)) {
+        fprintf(stderr, "ssv: %s\n", error);
+        scenario_file_close(&file);
+        return EXIT_FAILED;
+    }
 
     if (!options.over_lcm) {
         static ssv_answer_t answer;
-        ssv_answer(&question, &answer);
+        const lcm_ssv_planner_t planner = ssv_planner_identity(question.asker.asker_id); // asker and planner in one
+        ssv_answer(&question, &planner, &answer);
         code = explain(&options, &file, &question, &answer.wire);
     } else {
         lcm_ssv_plan_t answer;
-        if (ask_plan(options.lcm_url, options.scalar, options.timeout_s, &question, &answer, error, sizeof error)) {
+        const ask_target_t target = {options.lcm_url, options.scalar, options.timeout_s};
+        if (ask_plan(&target, &question, &answer, error, sizeof error)) {
             code = explain(&options, &file, &question, &answer);
             lcm_ssv_plan_t_decode_cleanup(&answer);
         } else {

@@ -1,4 +1,8 @@
+#define _POSIX_C_SOURCE 200809L
+#include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
 
 #include "ask.h"
 #include "commands.h"
@@ -6,15 +10,18 @@
 #include "report.h"
 #include "ssv/answer.h"
 #include "task_options.h"
+#include "wire/message.h"
 
 static const char doc[] =
-    "Prices up to 16 tasks, each described by a scenario file, side by side: J = W1 time + W2 impulse, its parts, a "
+    "Prices any number of tasks, each described by a scenario file, side by side: J = W1 time + W2 impulse, its parts, "
+    "a "
     "price "
     "that no plan can undercut, and where the vehicle mates. A quote is what `ssv plan` would cost, without the plan."
     "\vExamples:\n"
     "  ssv quote host/scenarios/*.yaml\n"
     "  ssv quote host/scenarios/*.yaml --lcm\n"
-    "                                       asks a running ssv-plannerd\n"
+    "                                       asks all running ssv-plannerd, which share\n"
+    "                                       the work\n"
     "  ssv quote task.yaml --candidates     also every contact and height\n"
     "  ssv quote task.yaml --front --format json\n"
     "                                       also what time and impulse can be\n"
@@ -49,9 +56,8 @@ typedef struct {
 } task_t;
 
 /// The quote of a task, with a refusal in words of the file.
-static const lcm_ssv_quote_t* quote_of(const task_options_t* options, int i, task_t* task,
-                                       const lcm_ssv_quote_batch_t* answer) {
-    const lcm_ssv_quote_t* quote = task->number < 0 ? &task->refused : &answer->quotes[task->number];
+static const lcm_ssv_quote_t* quote_of(const task_options_t* options, int i, task_t* task, lcm_ssv_quote_t* quotes) {
+    lcm_ssv_quote_t* quote = task->number < 0 ? &task->refused : &quotes[task->number];
     tree_make_harmless(quote->reason); // it may come from the wire
     if (task->number >= 0 && quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID) {
         task_explain(options, options->shown[i], &task->file, quote->reason, task->error, sizeof task->error);
@@ -89,58 +95,105 @@ static int worse(int a, int b) {
 }
 
 /// Shows the prices as asked for; a file is left alone if a task is refused. @return the exit code.
-static int conclude(const task_options_t* options, task_t* tasks, const lcm_ssv_quote_batch_t* answer) {
-    static report_quotes_t report;
+static int conclude(const task_options_t* options, task_t* tasks, lcm_ssv_quote_t* quotes) {
+    report_quotes_t report = {options->num_paths, calloc((size_t)options->num_paths, sizeof *report.row)};
     int code = EXIT_OK;
-    report.count = options->num_paths;
     bool refused = false;
+    if (report.row == NULL) {
+        fprintf(stderr, "ssv: out of memory\n");
+        return EXIT_FAILED;
+    }
     for (int i = 0; i < options->num_paths; i++) {
         report.row[i] =
-            (report_quote_t){options->shown[i], &tasks[i].question, quote_of(options, i, &tasks[i], answer)};
+            (report_quote_t){options->shown[i], &tasks[i].question, quote_of(options, i, &tasks[i], quotes)};
         refused = refused || report.row[i].quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID;
     }
     const bool written = output_report(refused ? NULL : options->output_path,
                                        options->as_json ? report_quotes_json : report_quotes_table, &report);
     for (int i = 0; i < options->num_paths; i++) {
         code = worse(code, tell(options, i, report.row[i].quote));
-        scenario_file_close(&tasks[i].file);
     }
+    free(report.row);
     return written ? code : EXIT_FAILED;
 }
 
-int quote_command(int argc, char** argv) {
-    static task_t tasks[SSV_MAX_BATCH];
-    static lcm_ssv_scenario_t scenarios[SSV_MAX_BATCH];
-    task_options_t options;
-    task_options_parse(&options, doc, SSV_MAX_BATCH, true, argc, argv);
+/// Prices in process. @return false if out of memory.
+static bool price_here(const lcm_ssv_asker_t* asker, lcm_ssv_scenario_t* scenarios, int count,
+                       lcm_ssv_quote_t* quotes) {
+    static ssv_batch_answer_t answer;
+    const lcm_ssv_planner_t planner = ssv_planner_identity(asker->asker_id); // asker and planner in one
+    for (int first = 0; first < count; first += SSV_MAX_BATCH) {
+        const int size = count - first < SSV_MAX_BATCH ? count - first : SSV_MAX_BATCH;
+        const lcm_ssv_scenario_batch_t batch = {.asker = *asker, .num_scenarios = size, .scenarios = &scenarios[first]};
+        ssv_answer_batch(&batch, 0, &planner, &answer); // nobody checks the hash of a question that was not sent
+        for (int i = 0; i < size; i++) {
+            lcm_ssv_quote_t* const copy = lcm_ssv_quote_t_copy(&answer.wire.quotes[i]);
+            if (copy == NULL) return false;
+            quotes[first + i] = *copy;
+            free(copy);
+        }
+    }
+    return true;
+}
 
-    lcm_ssv_scenario_batch_t batch = {.scenarios = scenarios};
-    task_stamp(&batch.request_id, &batch.epoch_us);
-    for (int i = 0; i < options.num_paths; i++) {
+/// On a terminal, how far a long question is.
+static void show_progress(int priced, int count, void* context) {
+    (void)context;
+    if (count > SSV_MAX_BATCH && isatty(STDERR_FILENO)) {
+        fprintf(stderr, "ssv: %d of %d priced%s", priced, count, priced == count ? "\n" : "\r");
+    }
+}
+
+/// Reads the files; those that are scenarios come one after the other. @return how many there are.
+static int read_tasks(const task_options_t* options, const lcm_ssv_asker_t* asker, task_t* tasks,
+                      lcm_ssv_scenario_t* scenarios) {
+    int count = 0;
+    for (int i = 0; i < options->num_paths; i++) {
         task_t* task = &tasks[i];
-        if (!task_read(&options, options.paths[i], &task->file, &task->question, task->error, sizeof task->error)) {
+        if (!task_read(options, options->paths[i], &task->file, &task->question, task->error, sizeof task->error)) {
             task->refused = (lcm_ssv_quote_t){.status = LCM_SSV_QUOTE_T_STATUS_INVALID, .reason = task->error};
             task->number = -1;
             continue;
         }
-        task->question.request_id = batch.request_id;
-        task->question.epoch_us = batch.epoch_us;
-        task->number = batch.num_scenarios;
-        scenarios[batch.num_scenarios++] = task->question;
+        task->question.asker = *asker;
+        task->number = count;
+        scenarios[count++] = task->question;
     }
+    return count;
+}
 
-    if (!options.over_lcm || batch.num_scenarios == 0) {
-        static ssv_batch_answer_t answer;
-        ssv_answer_batch(&batch, &answer);
-        return conclude(&options, tasks, &answer.wire);
-    }
+int quote_command(int argc, char** argv) {
+    task_options_t options;
     char error[1024];
-    lcm_ssv_quote_batch_t answer;
-    if (!ask_quotes(options.lcm_url, options.scalar, options.timeout_s, &batch, &answer, error, sizeof error)) {
-        fprintf(stderr, "ssv: %s\n", error);
-        return EXIT_NO_ANSWER;
+    lcm_ssv_asker_t asker;
+    task_options_parse(&options, doc, INT_MAX, true, argc, argv);
+    const size_t most = (size_t)options.num_paths;
+    task_t* const tasks = calloc(most, sizeof *tasks);
+    lcm_ssv_scenario_t* const scenarios = calloc(most, sizeof *scenarios);
+    lcm_ssv_quote_t* const quotes = calloc(most, sizeof *quotes);
+    if (tasks == NULL || scenarios == NULL || quotes == NULL || !ask_stamp(&asker, error, sizeof error)) {
+        fprintf(stderr, "ssv: %s\n", tasks == NULL || scenarios == NULL || quotes == NULL ? "out of memory" : error);
+        return EXIT_FAILED;
     }
-    const int code = conclude(&options, tasks, &answer);
-    lcm_ssv_quote_batch_t_decode_cleanup(&answer);
+    const int count = read_tasks(&options, &asker, tasks, scenarios);
+    int code = EXIT_OK;
+    if (options.over_lcm && count > 0) {
+        const ask_target_t target = {options.lcm_url, options.scalar, options.timeout_s};
+        if (!ask_quotes(&target, scenarios, count, quotes, show_progress, NULL, error, sizeof error)) {
+            fprintf(stderr, "ssv: %s\n", error);
+            code = EXIT_NO_ANSWER;
+        }
+    } else if (!price_here(&asker, scenarios, count, quotes)) {
+        fprintf(stderr, "ssv: out of memory\n");
+        code = EXIT_FAILED;
+    }
+    if (code == EXIT_OK) code = conclude(&options, tasks, quotes);
+    for (int i = 0; i < options.num_paths; i++) {
+        scenario_file_close(&tasks[i].file);
+        wire_clear("quote_t", &quotes[i]);
+    }
+    free(tasks);
+    free(scenarios);
+    free(quotes);
     return code;
 }

@@ -26,7 +26,7 @@ typedef struct {
 /// One row for each file.
 typedef struct {
     int count;
-    report_quote_t row[SSV_MAX_BATCH];
+    report_quote_t* row;
 } report_quotes_t;
 
 // Each takes a report_plan_t or a report_quotes_t.

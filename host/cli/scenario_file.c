@@ -75,6 +75,15 @@ static bool put_integer(layout_t* layout, tree_t* map, const char* key, int64_t 
     return put(layout, map, key, value);
 }
 
+/// No id, as the message has it in a file.
+static bool put_id(layout_t* layout, tree_t* map, const char* key, const tree_t* from) {
+    tree_t* const value = derived(layout, TREE_TEXT, from);
+    if (value != NULL) {
+        value->text = "0000000000000000";
+    }
+    return put(layout, map, key, value);
+}
+
 static bool put_real(layout_t* layout, tree_t* map, const char* key, double real, const tree_t* from) {
     tree_t* const value = derived(layout, TREE_REAL, from);
     if (value != NULL) {
@@ -463,6 +472,12 @@ static bool lay_out_standoff(layout_t* layout, const tree_t* root, tree_t* messa
                     (vehicle == NULL ? 0 : vehicle->real) + (beam == NULL ? 0 : beam->real), root);
 }
 
+static bool lay_out_reserve(layout_t* layout, const tree_t* root, tree_t* message) {
+    const tree_t* const reserve = tree_get(root, "thrust_reserve");
+    return reserve != NULL ? put(layout, message, "thrust_reserve", reserve)
+                           : put_real(layout, message, "thrust_reserve", 0, root);
+}
+
 static bool lay_out_port(layout_t* layout, const tree_t* root, const tree_t* model, tree_t* message) {
     const tree_t* const port = tree_get(root, "port");
     return port != NULL ? put(layout, message, "port", port)
@@ -499,6 +514,7 @@ static const tree_t* lay_out_scenario(layout_t* layout, const tree_t* root, cons
         {"hub", false, NULL, NULL},
         {"standoff_m", false, NULL, NULL},
         {"weights", true, NULL, NULL},
+        {"thrust_reserve", false, NULL, NULL},
         {"attach_heights_m", false, NULL, NULL},
         {"candidates", false, options, "want_candidates"},
         {"front", false, options, "want_front"},
@@ -519,12 +535,36 @@ static const tree_t* lay_out_scenario(layout_t* layout, const tree_t* root, cons
         return NULL;
     }
     const tree_t* const model = lay_out_model(layout, tree_get(root, "model"), path, message);
-    return model != NULL && put_integer(layout, message, "request_id", 0, root) &&
-                   put_integer(layout, message, "epoch_us", 0, root) && lay_out_start(layout, root, message) &&
+    return model != NULL && lay_out_reserve(layout, root, message) && lay_out_start(layout, root, message) &&
                    lay_out_port(layout, root, model, message) && lay_out_standoff(layout, root, message) &&
                    lay_out_options(layout, root, options)
                ? message
                : NULL;
+}
+
+/// The message with nobody as its asker: who asked before, if the file tells, has no part in asking again.
+static const tree_t* without_asker(layout_t* layout, const tree_t* message) {
+    tree_t* const question = derived(layout, TREE_MAP, message);
+    tree_t* const nobody = derived(layout, TREE_MAP, message);
+    if (question == NULL || nobody == NULL || message->kind != TREE_MAP) {
+        return message;
+    }
+    *question = *message;
+    question->count = 0;
+    question->entries = NULL;
+    bool sound = put(layout, question, "asker", nobody) && put_id(layout, nobody, "asker_id", message) &&
+                 put_id(layout, nobody, "request_id", message) && put_integer(layout, nobody, "epoch_us", 0, message) &&
+                 put_id(layout, nobody, "planner_id", message);
+    for (int i = 0; i < message->count && sound; i++) {
+        const tree_entry_t* entry = &message->entries[i];
+        if (strcmp(entry->key, "asker") != 0) {
+            sound = tree_graft(layout->memory, question, entry->key, entry->value);
+            if (sound) {
+                question->entries[question->count - 1] = *entry;
+            }
+        }
+    }
+    return sound ? question : NULL;
 }
 
 bool scenario_text_open(scenario_file_t* file, const char* path, const char* text, size_t size, const char* models_dir,
@@ -540,7 +580,8 @@ bool scenario_text_open(scenario_file_t* file, const char* path, const char* tex
         const tree_t* const message = tree_get(root, "scenario");
         file->tree = message != NULL ? message : lay_out_scenario(&layout, root, path);
     }
-    return file->tree != NULL && wire_from_tree("scenario_t", file->tree, scenario, &error);
+    const tree_t* const question = file->tree == NULL ? NULL : without_asker(&layout, file->tree);
+    return question != NULL && wire_from_tree("scenario_t", question, scenario, &error);
 }
 
 bool scenario_file_open(scenario_file_t* file, const char* path, const char* models_dir, lcm_ssv_scenario_t* scenario,

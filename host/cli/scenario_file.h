@@ -18,7 +18,7 @@ typedef struct {
 } scenario_file_t;
 
 /// Reads the scenario at `path`, "-" being standard input. A model given by name is looked for in `models_dir`; one
-/// given by path, relative to the scenario file. request_id and epoch_us mean nothing yet. The file is closed with
+/// given by path, relative to the scenario file. Its asker is put aside, and all zero. The file is closed with
 /// scenario_file_close in any case.
 /// @return true; or false with a sentence in `error` that names file, line and key, and *scenario in an undefined
 /// state.

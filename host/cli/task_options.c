@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "commands.h"
@@ -54,10 +53,11 @@ static const struct argp_option answer_options[] = {
      0},
     {"scalar", KEY_SCALAR, "double|float|fixed", 0,
      "The arithmetic that the planner computes in (default " SSV_DEFAULT_SCALAR
-     "); with --lcm the running planner must be of that one",
+     "); with --lcm a running planner of that one is asked",
      0},
     {"format", KEY_FORMAT, "table|json", 0, "For people (default) or for programs", 0},
-    {"timeout", KEY_TIMEOUT, "S", 0, "How long to wait for an answer over LCM [s] (default 5)", 0},
+    {"timeout", KEY_TIMEOUT, "S", 0,
+     "How long to wait for an answer over LCM, of many for the next one [s] (default 5)", 0},
     QUESTION_OPTIONS,
     {0},
 };
@@ -138,8 +138,7 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
             return 0;
         case ARGP_KEY_ARG:
             if (options->num_paths == input->max_paths) {
-                argp_error(state, "no more than %d scenario%s at a time, but there is also '%s'", input->max_paths,
-                           input->max_paths == 1 ? "" : "s", argument);
+                argp_error(state, "no more than 1 scenario at a time, but there is also '%s'", argument);
             }
             snprintf(options->shown[options->num_paths], sizeof options->shown[0], "%s",
                      strcmp(argument, "-") == 0 ? "standard input" : argument);
@@ -195,7 +194,15 @@ void task_options_parse(task_options_t* options, const char* doc, int max_paths,
                                 .args_doc = max_paths == 1 ? "SCENARIO" : "SCENARIO...",
                                 .doc = doc};
     input_t input = {options, max_paths, wants_answer};
-    *options = (task_options_t){.timeout_s = 5, .method = -1, .effort = -1};
+    *options = (task_options_t){.timeout_s = 5,
+                                .method = -1,
+                                .effort = -1,
+                                .paths = calloc((size_t)argc, sizeof *options->paths),
+                                .shown = calloc((size_t)argc, sizeof *options->shown)};
+    if (options->paths == NULL || options->shown == NULL) {
+        fprintf(stderr, "ssv: out of memory\n");
+        exit(EXIT_FAILED);
+    }
     char* const command = argv[0];
     char name[32];
     snprintf(name, sizeof name, "ssv %s", command);
@@ -249,13 +256,4 @@ void task_explain(const task_options_t* options, const char* shown_path, const s
     } else {
         snprintf(text, size, "%s", explained);
     }
-}
-
-void task_stamp(int64_t* request_id, int64_t* epoch_us) {
-    struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now);
-    *epoch_us = (int64_t)now.tv_sec * 1000000 + now.tv_nsec / 1000;
-    // The process too, for two that start within the same microsecond. Below 2^53, so that JSON readers with nothing
-    // but doubles keep it whole.
-    *request_id = *epoch_us * 4 + getpid() % 4;
 }

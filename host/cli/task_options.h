@@ -11,10 +11,10 @@
 #include "ssv/answer.h"
 
 typedef struct {
-    int num_paths;                    ///< [1, the most that the command takes]
-    const char* paths[SSV_MAX_BATCH]; ///< of scenario files; "-" is standard input
-    char shown[SSV_MAX_BATCH][256];   ///< the same for people: nothing in it steers a terminal
-    const char* lcm_url;              ///< NULL = LCM's default
+    int num_paths;           ///< [1, the most that the command takes]
+    const char** paths;      ///< of scenario files; "-" is standard input. Allocated, this and the next, for good
+    char (*shown)[256];      ///< the same for people: nothing in it steers a terminal
+    const char* lcm_url;     ///< NULL = LCM's default
     const char* scalar;      ///< "double", "float" or "fixed"; NULL = this program's, or any planner's over LCM
     const char* output_path; ///< NULL = standard output
     double weights[2];
@@ -24,14 +24,14 @@ typedef struct {
 } task_options_t;
 
 /// Parses the command's arguments, argv[0] being its name; --help and wrong arguments end the program. `doc` is the
-/// command's part of the help, as of argp; max_paths is 1..SSV_MAX_BATCH. Where the options ask for the answer of
+/// command's part of the help, as of argp; max_paths is 1 or INT_MAX. Where the options ask for the answer of
 /// another scalar in process, the program that has it goes on instead of this one.
 /// A command that wants no answer has the options of the question alone.
 void task_options_parse(task_options_t* options, const char* doc, int max_paths, bool wants_answer, int argc,
                         char** argv);
 
 /// Reads a scenario file into `file`, which the caller closes in any case; what the options say counts over what it
-/// says. request_id and epoch_us mean nothing yet.
+/// says. Its asker means nothing yet.
 /// @return true; or false with a sentence in `error`.
 bool task_read(const task_options_t* options, const char* path, scenario_file_t* file, lcm_ssv_scenario_t* question,
                char* error, size_t error_size);
@@ -40,8 +40,5 @@ bool task_read(const task_options_t* options, const char* path, scenario_file_t*
 /// option.
 void task_explain(const task_options_t* options, const char* shown_path, const scenario_file_t* file,
                   const char* reason, char* text, size_t size);
-
-/// The time on the clock as an epoch, and a request id that is unique per run.
-void task_stamp(int64_t* request_id, int64_t* epoch_us);
 
 #endif

@@ -17,31 +17,24 @@
 
 /// Room for one message of any type without what it points to.
 #define MESSAGE_SIZE_MAX 2048
-#define FIELDS_MAX 32
+#define FIELDS_MAX 48
 
 static const lcm_type_info_t* info_of(const char* type) {
     static const struct {
         const char* type;
         const lcm_type_info_t* (*info)(void);
     } types[] = {
-        {"beam_t", lcm_ssv_beam_t_get_type_info},
-        {"body_t", lcm_ssv_body_t_get_type_info},
-        {"candidate_t", lcm_ssv_candidate_t_get_type_info},
-        {"choice_t", lcm_ssv_choice_t_get_type_info},
-        {"event_t", lcm_ssv_event_t_get_type_info},
-        {"leg_t", lcm_ssv_leg_t_get_type_info},
-        {"options_t", lcm_ssv_options_t_get_type_info},
-        {"plan_t", lcm_ssv_plan_t_get_type_info},
-        {"planner_status_t", lcm_ssv_planner_status_t_get_type_info},
-        {"port_t", lcm_ssv_port_t_get_type_info},
-        {"pose_t", lcm_ssv_pose_t_get_type_info},
-        {"quote_batch_t", lcm_ssv_quote_batch_t_get_type_info},
-        {"quote_t", lcm_ssv_quote_t_get_type_info},
-        {"scenario_batch_t", lcm_ssv_scenario_batch_t_get_type_info},
-        {"scenario_t", lcm_ssv_scenario_t_get_type_info},
-        {"segment_t", lcm_ssv_segment_t_get_type_info},
-        {"thruster_t", lcm_ssv_thruster_t_get_type_info},
-        {"vehicle_t", lcm_ssv_vehicle_t_get_type_info},
+        {"answer_t", lcm_ssv_answer_t_get_type_info},     {"arc_t", lcm_ssv_arc_t_get_type_info},
+        {"asker_t", lcm_ssv_asker_t_get_type_info},       {"beam_t", lcm_ssv_beam_t_get_type_info},
+        {"body_t", lcm_ssv_body_t_get_type_info},         {"candidate_t", lcm_ssv_candidate_t_get_type_info},
+        {"choice_t", lcm_ssv_choice_t_get_type_info},     {"event_t", lcm_ssv_event_t_get_type_info},
+        {"leg_t", lcm_ssv_leg_t_get_type_info},           {"options_t", lcm_ssv_options_t_get_type_info},
+        {"plan_t", lcm_ssv_plan_t_get_type_info},         {"planner_status_t", lcm_ssv_planner_status_t_get_type_info},
+        {"planner_t", lcm_ssv_planner_t_get_type_info},   {"port_t", lcm_ssv_port_t_get_type_info},
+        {"pose_t", lcm_ssv_pose_t_get_type_info},         {"quote_batch_t", lcm_ssv_quote_batch_t_get_type_info},
+        {"quote_t", lcm_ssv_quote_t_get_type_info},       {"scenario_batch_t", lcm_ssv_scenario_batch_t_get_type_info},
+        {"scenario_t", lcm_ssv_scenario_t_get_type_info}, {"segment_t", lcm_ssv_segment_t_get_type_info},
+        {"thruster_t", lcm_ssv_thruster_t_get_type_info}, {"vehicle_t", lcm_ssv_vehicle_t_get_type_info},
     };
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
         if (strcmp(types[i].type, type) == 0) {
@@ -110,9 +103,11 @@ int wire_field_names(const char* type, const char** names, int most) {
     return count;
 }
 
-static bool is_hash(const field_t* field) {
-    const size_t length = strlen(field->name);
-    return field->kind == LCM_FIELD_INT64_T && length > 5 && strcmp(field->name + length - 5, "_hash") == 0;
+/// Whether a field has all its 64 bits, hashes and random ids, of which JSON readers with nothing but doubles would
+/// lose eleven.
+static bool is_hex(const field_t* field) {
+    const char* const last = strrchr(field->name, '_');
+    return field->kind == LCM_FIELD_INT64_T && last != NULL && (strcmp(last, "_hash") == 0 || strcmp(last, "_id") == 0);
 }
 
 static int64_t read_integer(lcm_field_type_t kind, const void* element) {
@@ -152,7 +147,7 @@ static json_t* element_json(const field_t* field, const void* element) {
         return json_boolean(*(const int8_t*)element != 0);
     }
     const int64_t value = read_integer(field->kind, element);
-    if (is_hash(field)) {
+    if (is_hex(field)) {
         return json_sprintf("%016" PRIx64, (uint64_t)value);
     }
     return names != NULL && value >= 0 && value < names->count ? json_string(names->words[value])
@@ -217,7 +212,7 @@ static bool read_double(const tree_t* tree, double* value, tree_error_t* error) 
     return true;
 }
 
-static bool read_hash(const tree_t* tree, int64_t* value, tree_error_t* error) {
+static bool read_hex(const tree_t* tree, int64_t* value, tree_error_t* error) {
     if (tree->kind != TREE_TEXT || strlen(tree->text) != 16 || strspn(tree->text, "0123456789abcdef") != 16) {
         return tree_fail(error, tree, "not a text of 16 hex digits");
     }
@@ -283,8 +278,8 @@ static bool read_element(const field_t* field, const tree_t* tree, void* element
         *(int8_t*)element = tree->kind == TREE_BOOLEAN && tree->boolean;
         return tree->kind == TREE_BOOLEAN || tree_fail(error, tree, "%s is none of false, true", there);
     }
-    if (is_hash(field)) {
-        return read_hash(tree, element, error);
+    if (is_hex(field)) {
+        return read_hex(tree, element, error);
     }
     return names != NULL ? read_word(names, tree, element, error) : read_whole(field->kind, tree, element, error);
 }

@@ -2,7 +2,8 @@
 /// are checked, all by one walk over the types' own description (lcm-gen --c-typeinfo). No field is named here.
 ///
 /// In JSON a message is an object with the fields' names as keys, nested as the messages are; lists are arrays, also
-/// empty ones; enums are words (wire/names.h); a 64-bit hash is 16 hex digits. Types go by their names, e.g. "plan_t".
+/// empty ones; enums are words (wire/names.h); a 64-bit hash or id is 16 hex digits. Types go by their names, e.g.
+/// "plan_t".
 #ifndef SSV_WIRE_MESSAGE_H
 #define SSV_WIRE_MESSAGE_H
 

@@ -13,10 +13,11 @@ const names_t names_ramp = {"leg_t", "ramp", 3, {"full_reverse", "drag_only", "o
 const names_t names_event = {"event_t", "kind", 2, {"mate", "dock"}};
 const names_t names_method = {"options_t", "method", 2, {"optimal", "paper"}};
 const names_t names_effort = {"options_t", "effort", 2, {"quick", "best"}};
+const names_t names_scalar = {"planner_t", "scalar", 3, {"double", "float", "fixed"}};
 
 const names_t* names_of_field(const char* type, const char* field) {
-    static const names_t* const all[] = {&names_status, &names_phase,  &names_kind,  &names_ramp,
-                                         &names_event,  &names_method, &names_effort};
+    static const names_t* const all[] = {&names_status, &names_phase,  &names_kind,   &names_ramp,
+                                         &names_event,  &names_method, &names_effort, &names_scalar};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
         if (strcmp(all[i]->type, type) == 0 && strcmp(all[i]->field, field) == 0) {
             return all[i];
@@ -46,6 +47,7 @@ int32_t names_most_elements(const char* type, const char* field) {
         {"quote_t", "candidates", SSV_MAX_CANDIDATES},
         {"quote_t", "front", SSV_MAX_FRONT},
         {"plan_t", "legs", SSV_MAX_LEGS},
+        {"plan_t", "arcs", SSV_MAX_ARCS},
         {"plan_t", "segments", SSV_MAX_SEGMENTS},
         {"plan_t", "events", SSV_MAX_EVENTS},
         {"quote_batch_t", "quotes", SSV_MAX_BATCH},

@@ -12,7 +12,8 @@ typedef struct {
     const char* words[4];
 } names_t;
 
-extern const names_t names_status, names_phase, names_kind, names_ramp, names_event, names_method, names_effort;
+extern const names_t names_status, names_phase, names_kind, names_ramp, names_event, names_method, names_effort,
+    names_scalar;
 
 /// The words of a field; NULL if it is no enum.
 const names_t* names_of_field(const char* type, const char* field);

@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "physics/rigid_body.h"
 
@@ -23,7 +24,7 @@ typedef struct {
 } plan_segment_t;
 
 typedef struct {
-    long long request_id;
+    int64_t request_id;
 
     // the task
     rb_body_t vehicle, beam;

@@ -2,6 +2,7 @@
 #define _DEFAULT_SOURCE
 #include <argp.h>
 #include <errno.h>
+#include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -107,7 +108,7 @@ static bool print_table(const plan_file_t* plan, const replay_flight_t* flight, 
     const figure_t* thrust = &figure[2 * ARRIVAL_FIGURES];
     const figure_t* impulse = thrust + 1;
     const figure_t* time = thrust + 2;
-    printf("Plan %lld, flown open loop\n\n", plan->request_id);
+    printf("Plan %016" PRIx64 ", flown open loop\n\n", (uint64_t)plan->request_id);
     printf("  %-16s %12s %12s %12s\n", "", "at mate", "at dock", "limit");
     for (size_t i = 0; i < ARRIVAL_FIGURES; i++) {
         printf("  %-16s %12.4g %12.4g %12g %-6s%s\n", row[i].label, figure[i].value, figure[ARRIVAL_FIGURES + i].value,
@@ -129,11 +130,11 @@ static bool print_json(const plan_file_t* plan, const replay_flight_t* flight, c
                        double step_s, double halving_m, double halving_rad) {
     json_t* outside = json_array();
     json_t* root =
-        json_pack("{s:I, s:b, s:o, s:{}, s:{}, s:{}, s:{s:f, s:f}, s:{s:f, s:f}, s:{s:f, s:f, s:f}}", "request_id",
-                  (json_int_t)plan->request_id, "within_tolerances", all_within, "outside", outside, "mate", "dock",
-                  "thrust", "impulse", "flown_Ns", flight->impulse_Ns, "planned_Ns", plan->impulse_Ns, "time",
-                  "flown_s", flight->time_s, "planned_s", plan->time_s, "integration", "step_s", step_s,
-                  "halving_moved_m", halving_m, "halving_turned_rad", halving_rad);
+        json_pack("{s:o, s:b, s:o, s:{}, s:{}, s:{}, s:{s:f, s:f}, s:{s:f, s:f}, s:{s:f, s:f, s:f}}", "request_id",
+                  json_sprintf("%016" PRIx64, (uint64_t)plan->request_id), "within_tolerances", all_within, "outside",
+                  outside, "mate", "dock", "thrust", "impulse", "flown_Ns", flight->impulse_Ns, "planned_Ns",
+                  plan->impulse_Ns, "time", "flown_s", flight->time_s, "planned_s", plan->time_s, "integration",
+                  "step_s", step_s, "halving_moved_m", halving_m, "halving_turned_rad", halving_rad);
     for (size_t i = 0; i < NUM_FIGURES; i++) {
         json_object_set_new(json_object_get(root, figure[i].group), figure[i].name, json_real(figure[i].value));
         if (!within(&figure[i])) {
