@@ -238,7 +238,9 @@ static void fill(const ssv_link_vehicle_t* link, const ssv_link_answer_t* answer
     // The log may have become shorter since the request.
     const uint32_t left = answer->offset < content.length ? content.length - answer->offset : 0;
     if (left < answer->size) packet->of.ftp.size = (uint8_t)left;
-    if (left > 0) memcpy(packet->of.ftp.data, content.bytes + answer->offset, packet->of.ftp.size);
+    if (left > 0 && content.bytes != NULL) {
+        memcpy(packet->of.ftp.data, content.bytes + answer->offset, packet->of.ftp.size);
+    }
 }
 
 bool ssv_server_poll(ssv_link_vehicle_t* link, int64_t now_us, ssv_packet_t* packet) {

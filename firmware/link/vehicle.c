@@ -377,7 +377,7 @@ static uint16_t clip(uint32_t count) { return count < UINT16_MAX ? (uint16_t)cou
 
 static void tell_health(const ssv_link_statistics_t* statistics, ssv_packet_t* packet) {
     const uint64_t all = (uint64_t)statistics->received + statistics->lost;
-    packet->of.health.lost_permyriad = all == 0 ? 0 : (uint16_t)(UINT64_C(10000) * statistics->lost / all);
+    packet->of.health.lost_permyriad = (uint16_t)(all == 0 ? 0 : UINT64_C(10000) * statistics->lost / all);
     packet->of.health.lost = clip(statistics->lost);
     packet->of.health.bad_crc = clip(statistics->bad_crc);
     packet->of.health.bad_signature = clip(statistics->bad_signature);

@@ -361,9 +361,8 @@ typedef union {
 } payload_t;
 
 _Static_assert(sizeof(mavlink_ssv_execution_t) == MAVLINK_MSG_ID_SSV_EXECUTION_LEN, "the struct is the payload");
-#if MAVLINK_NEED_BYTE_SWAP || !MAVLINK_ALIGNED_FIELDS
-#error "payloads are copied from structs as they stand, which takes a little-endian machine"
-#endif
+_Static_assert(!MAVLINK_NEED_BYTE_SWAP && MAVLINK_ALIGNED_FIELDS,
+               "payloads are copied from structs as they stand, which takes a little-endian machine");
 
 static void write_command(const ssv_packet_t* packet, mavlink_command_int_t* out) {
     out->target_system = packet->target_sysid;

@@ -56,12 +56,12 @@ class Check(unittest.TestCase):
     def test_layers_and_words_find_what_is_planted(self):
         with tempfile.TemporaryDirectory() as scratch:
             root = pathlib.Path(scratch)
-            (root / "sim").mkdir()
-            file = root / "sim/planted.c"
+            (root / "sim/physics").mkdir(parents=True)
+            file = root / "sim/physics/planted.c"
             file.write_text(SOUND)
             self.assertEqual((test_layers.breaches(root), test_words.breaches(root)), ([], []))
             file.write_text(SOUND.replace("<stddef.h>", "<lcm/lcm.h>"))
-            self.assertEqual(test_layers.breaches(root), ["sim/planted.c: must not include lcm"])
+            self.assertEqual(test_layers.breaches(root), ["sim/physics/planted.c: must not include lcm"])
             file.write_text(SOUND.replace("Says", next(iter(test_words.MARKS))))
             self.assertEqual(len(test_words.breaches(root)), 1)
 

@@ -45,7 +45,7 @@ static void test_uniform_numbers_fill_the_unit_interval_evenly(void) {
     }
     double chi2 = 0;
     for (int i = 0; i < BINS; i++) {
-        chi2 += pow(count[i] - N / BINS, 2) / (N / BINS);
+        chi2 += pow(count[i] - (double)N / BINS, 2) / ((double)N / BINS);
     }
     // Chi-squared with 99 degrees of freedom: mean 99, standard deviation sqrt(198).
     TEST_ASSERT_DOUBLE_WITHIN(SIGMAS * sqrt(198), BINS - 1, chi2);

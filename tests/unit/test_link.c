@@ -508,7 +508,7 @@ static void test_the_start_attitude_is_compared_by_the_angle_between_the_two_wha
         const bool inside = k % 2 == 0;
         double a[4], axis[4] = {0, 0, 0, 0}, square = 0, axis_square = 0;
         setUp();
-        draw_seed((uint64_t)(500 + k));
+        draw_seed(UINT64_C(500) + (uint64_t)k);
         for (int i = 0; i < 4; i++) {
             a[i] = draw_between(-1, 1);
             square += a[i] * a[i];
