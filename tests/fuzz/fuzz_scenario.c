@@ -139,7 +139,8 @@ static void check_motion(const lcm_ssv_scenario_t* question, const lcm_ssv_plan_
         end_s = segment->t_s + segment->duration_s;
         CHECK(segment->leg >= 0 && segment->leg < plan->num_legs);
         for (int k = 0; k < SSV_NUM_THRUSTERS; k++) {
-            const double limit_N = question->vehicle.force_max_N * (1 - question->thrust_reserve) * (1 + RELATIVE) + LIMIT_ABSOLUTE;
+            const double limit_N =
+                question->vehicle.force_max_N * (1 - question->thrust_reserve) * (1 + RELATIVE) + LIMIT_ABSOLUTE;
             CHECK(fabs(segment->u_start_N[k]) <= limit_N && fabs(segment->u_end_N[k]) <= limit_N);
         }
     }

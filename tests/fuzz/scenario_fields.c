@@ -77,7 +77,7 @@ void scenario_repair(lcm_ssv_scenario_t* scenario) {
     if (scenario->weight_time_per_s < 0x1p-32 && scenario->weight_impulse_per_Ns < 0x1p-32) {
         scenario->weight_impulse_per_Ns = 0x1p-32; // the smallest number of the fixed scalar, where less is zero
     }
-    scenario->asker.epoch_us = scenario->asker.epoch_us < 0 ? 0 : scenario->epoch_us;
+    scenario->asker.epoch_us = scenario->asker.epoch_us < 0 ? 0 : scenario->asker.epoch_us;
     scenario->contact = (int8_t)clamped(scenario->contact, 0, 2);
 
     lcm_ssv_options_t* options = &scenario->options;

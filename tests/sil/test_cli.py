@@ -43,8 +43,9 @@ def edited(text, *changes):
 def without_stamp(plan):
     """The answer without what differs from run to run by intent."""
     plan = json.loads(json.dumps(plan))
-    for part in (plan["scenario"], plan["quote"] if "quote" in plan else plan["plan"]["quote"]):
-        del part["request_id"], part["epoch_us"]
+    del plan["scenario"]["asker"]
+    if "plan" in plan:
+        del plan["plan"]["answer"]["asker"], plan["plan"]["answer"]["planner"]["planner_id"]
     return plan
 
 
@@ -423,30 +424,35 @@ V3, Q4, U6 = [3, "real"], [4, "real"], [6, "real"]
 POSE = {"p_m": V3, "q": Q4}
 BODY = {"mass_kg": "real", "inertia_kg_m2": V3, "added_mass_kg": V3, "drag_lin_kg_s": "real", "drag_quad_kg_m": "real",
         "drag_lin_ang_Nm_s": "real", "drag_quad_ang_Nm_s2": "real"}
+ASKER = {"asker_id": "text", "request_id": "text", "epoch_us": "integer", "planner_id": "text"}
+ANSWER = {"asker": ASKER, "question_hash": "text", "planner": {"planner_id": "text", "version": "text", "scalar": "text"}}
 SCENARIO_SHAPE = {
-    "request_id": "integer", "epoch_us": "integer",
+    "asker": ASKER,
     "vehicle": {"body": BODY, "radius_m": "real", "force_max_N": "real", "thruster": ["any", {"p_ST_m": V3, "n_T_S": V3}]},
     "beam": {"body": BODY, "radius_m": "real", "length_m": "real", "drag_strip_kg_m2": "real"},
     "X_IS": POSE, "X_IB": POSE, "port": {"p_IP_m": V3, "axis_I": V3}, "contact": "integer", "standoff_m": "real",
     "weight_time_per_s": "real", "weight_impulse_per_Ns": "real",
+    "thrust_reserve": "real",
     "options": {"method": "text", "effort": "text", "num_attach_heights": "integer", "attach_heights_m": [8, "real"],
                 "attach_anywhere": "flag", "ring_angle_given": "flag", "ring_angle_rad": "real", "want_candidates": "flag",
                 "want_front": "flag"},
 }
 QUOTE_SHAPE = {
-    "num_candidates": "integer", "num_front": "integer", "request_id": "integer", "epoch_us": "integer",
+    "num_candidates": "integer", "num_front": "integer",
     "scenario_hash": "text", "status": "text", "reason": "text", "cost": "real", "cost_lower_bound": "real", "time_s": "real",
     "impulse_Ns": "real",
     "choice": {"contact": "integer", "attach_height_m": "real", "ring_angle_rad": "real", "candidates": "integer"},
-    "candidates": [], "front": [],
+    "X_IS_final": POSE, "X_IB_final": POSE, "candidates": [], "front": [],
 }
 PLAN_SHAPE = {
-    "num_legs": "integer", "num_segments": "integer", "num_events": "integer", "quote": QUOTE_SHAPE, "plan_hash": "text",
+    "answer": ANSWER, "num_legs": "integer", "num_arcs": "integer", "num_segments": "integer", "num_events": "integer", "quote": QUOTE_SHAPE, "plan_hash": "text",
     "legs": ["any", {"phase": "text", "kind": "text", "ramp": "text", "t_start_s": "real", "duration_s": "real",
-                     "impulse_Ns": "real", "peak_speed": "real", "X_IS_start": POSE, "X_IS_end": POSE}],
+                     "impulse_Ns": "real", "length": "real", "peak_speed": "real", "v_S": V3, "w_S": V3, "X_IS_start": POSE,
+                     "X_IS_end": POSE, "first_arc": "integer", "num_arcs": "integer"}],
+    "arcs": ["any", {"t_s": "real", "duration_s": "real", "s": "real", "v_start": "real", "v_end": "real", "dv_dt": V3}],
     "segments": ["any", {"t_s": "real", "duration_s": "real", "u_start_N": U6, "u_end_N": U6, "leg": "integer"}],
     "events": ["any", {"t_s": "real", "kind": "text"}],
-    "X_IS_final": POSE, "X_IB_final": POSE,
+    "X_SB": POSE,
 }
 
 
@@ -478,7 +484,7 @@ class PlanJsonTest(InFolder):
                 scenario, plan = answer["scenario"], answer["plan"]
                 quote, legs = plan["quote"], plan["legs"]
                 self.assertEqual((quote["status"], quote["reason"]), ("ok", ""))
-                self.assertEqual(quote["request_id"], scenario["request_id"])
+                self.assertEqual(plan["answer"]["asker"], scenario["asker"])
                 self.assertEqual([event["kind"] for event in plan["events"]], ["mate", "dock"])
                 for total, of_leg in (("time_s", "duration_s"), ("impulse_Ns", "impulse_Ns")):
                     self.assertTrue(math.isclose(sum(leg[of_leg] for leg in legs), quote[total], rel_tol=1e-12), total)
@@ -486,8 +492,8 @@ class PlanJsonTest(InFolder):
                 transit_s = sum(leg["duration_s"] for leg in legs if leg["phase"] == "transit")
                 self.assertAlmostEqual(plan["events"][0]["t_s"], transit_s, 9)
                 self.assertAlmostEqual(plan["events"][1]["t_s"], quote["time_s"], 9)
-                self.assertEqual(legs[-1]["X_IS_end"], plan["X_IS_final"])
-                for name in ("legs", "segments", "events"):
+                self.assertEqual(legs[-1]["X_IS_end"], quote["X_IS_final"])
+                for name in ("legs", "arcs", "segments", "events"):
                     self.assertEqual(plan[f"num_{name}"], len(plan[name]))
                 for text in (quote["scenario_hash"], plan["plan_hash"]):
                     self.assertRegex(text, "^[0-9a-f]{16}$")
@@ -525,12 +531,12 @@ class PlanJsonTest(InFolder):
     def test_the_docked_beam_ends_on_the_port_and_points_into_it(self):
         for task, plan in self.plans.items():
             with self.subTest(" ".join(task)):
-                w, x, y, z = plan["plan"]["X_IB_final"]["q"]
+                w, x, y, z = plan["plan"]["quote"]["X_IB_final"]["q"]
                 z_B = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]
                 outward = -1 if plan["plan"]["quote"]["choice"]["contact"] == 1 else 1
                 half_m = plan["scenario"]["beam"]["length_m"] / 2
                 for i in range(3):
-                    contact = plan["plan"]["X_IB_final"]["p_m"][i] + outward * half_m * z_B[i]
+                    contact = plan["plan"]["quote"]["X_IB_final"]["p_m"][i] + outward * half_m * z_B[i]
                     self.assertAlmostEqual(contact, plan["scenario"]["port"]["p_IP_m"][i], 9)
                     self.assertAlmostEqual(outward * z_B[i], -plan["scenario"]["port"]["axis_I"][i], 9)
 
@@ -676,7 +682,7 @@ class QuoteTest(InFolder):
         self.assertEqual([quote["quote"]["status"] for quote in alone.values()], ["ok", "infeasible", "invalid", "invalid"])
         self.assertEqual(list(alone[far]), ["file", "scenario", "quote"])
         self.assertEqual(list(alone[bad]), ["file", "quote"])
-        same = lambda row: {key: row["quote"][key] for key in row["quote"] if key not in ("request_id", "epoch_us")}
+        same = lambda row: {key: row["quote"][key] for key in row["quote"]}
         for paths, code in (([far, PAPER_CASE], 3), ([typo, far, PAPER_CASE, bad, PAPER_CASE], 2), ([far, bad], 2),
                             ([typo, far], 2), ([PAPER_CASE] * 16, 0)):
             for quote, path in zip(self.quotes(paths, code=code), paths):
@@ -889,7 +895,7 @@ class OverLcmTest(InFolder):
                     self.assertEqual(done.returncode, 0, done)
                     here = json.loads(ssv("plan", path, "--format", "json", *arguments).stdout)
                     there = json.loads(done.stdout)
-                    self.assertNotEqual(here["scenario"]["request_id"], there["scenario"]["request_id"])
+                    self.assertNotEqual(here["scenario"]["asker"]["request_id"], there["scenario"]["asker"]["request_id"])
                     self.assertEqual(without_stamp(here), without_stamp(there))
 
     def test_invalid_and_infeasible_come_back_with_the_same_reason_and_exit_code(self):
@@ -908,7 +914,7 @@ class OverLcmTest(InFolder):
         typo = self.folder / "typo.yaml"
         typo.write_text(edited(PAPER_CASE.read_text(), ("standoff_m", "standof_m")))
         far = self.scenario(("p_IS_m: [0, 0, 0]", "p_IS_m: [-900, 0, 0]"))
-        stamped = r'"(request_id|epoch_us)": \d+'
+        stamped = r'"(asker_id|request_id|epoch_us|planner_id)": "?[0-9a-f]+"?'
         with Daemon(URL):
             for paths, details, code in ((SCENARIOS, [], 0), (SCENARIOS, ["--candidates", "--front"], 0),
                                          ([typo, PAPER_CASE, bad, far, PORT1], [], 2), ([typo], [], 2)):

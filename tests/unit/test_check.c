@@ -137,7 +137,7 @@ static const struct {
     {height_off_the_beam, "height off the beam", "choice: height 9 m is not on the beam"},
     {another_ring_angle, "another ring angle", "choice: ring angle 1.1"},
     {cheaper, "cheaper", "cost: "},
-    {bound_above_price, "bound above the price", "cost_lower_bound"},
+    {bound_above_price, "bound above the price", "cost: 4009.70251 is below the bound"},
     {price_that_is_no_number, "price that is no number", "cost: "},
     {time_that_is_no_number, "time that is no number", "time_s: "},
     {endless_impulse, "endless impulse", "impulse_Ns: "},

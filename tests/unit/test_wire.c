@@ -367,7 +367,7 @@ static void test_a_plan_at_its_limits_passes_and_one_beyond_any_of_them_does_not
     static const struct {
         size_t at;
         const char* what;
-    } counts[] = {{8, "legs"}, {12, "segments"}, {16, "events"}, {20, "candidates"}, {24, "front"}};
+    } counts[] = {{0, "legs"}, {4, "arcs"}, {8, "segments"}, {12, "events"}, {16, "candidates"}, {20, "front"}};
     lcm_ssv_plan_t plan;
     state = SEED;
     random_plan(&plan);
@@ -396,7 +396,8 @@ static void test_a_plan_at_its_limits_passes_and_one_beyond_any_of_them_does_not
 static void test_a_list_may_be_as_long_as_its_limit_and_no_longer(void) {
     static uint8_t bytes[1 << 16];
     static lcm_ssv_segment_t segments[129];
-    lcm_ssv_plan_t plan = {.segments = segments, .quote = {.reason = (char[]){""}}};
+    lcm_ssv_plan_t plan = {
+        .answer = {.planner = {.version = (char[]){""}}}, .segments = segments, .quote = {.reason = (char[]){""}}};
     for (int count = 127; count <= 129; count++) {
         plan.num_segments = count;
         const size_t size = (size_t)lcm_ssv_plan_t_encode(bytes, 0, sizeof bytes, &plan);
