@@ -7,6 +7,7 @@ import random
 import re
 import resource
 import signal
+import struct
 import subprocess
 import tempfile
 import threading
@@ -967,30 +968,34 @@ class OverLcmTest(InFolder):
 class HostileAnswerTest(InFolder):
     """Whatever comes on the planner's channels: what is no answer is passed over, and nothing crashes the asker."""
 
-    # Where the request id stands: after the fingerprint and the counts; in a question after the fingerprint and its count.
-    KINDS = {"plan": ("SSV_SCENARIO", 8, "SSV_PLAN", 28), "quote": ("SSV_SCENARIO_BATCH", 12, "SSV_QUOTE_BATCH", 12)}
+    KINDS = {"plan": ("SSV_SCENARIO", "SSV_PLAN"), "quote": ("SSV_SCENARIO_BATCH", "SSV_QUOTE_BATCH")}
+    DETAILS = ("--candidates", "--front")
 
     @classmethod
     def setUpClass(cls):
         cls.good = {}
-        for command, (_, _, channel, _) in cls.KINDS.items():
+        for command, (_, channel) in cls.KINDS.items():
             bus = lcm.LCM(URL)
             bus.subscribe(channel, lambda channel, data: cls.good.setdefault(command, data))
             with Daemon(URL):
-                done = ssv(command, PAPER_CASE, f"--lcm={URL}", "--timeout", "20", "--candidates", "--front")
+                done = ssv(command, PAPER_CASE, f"--lcm={URL}", "--timeout", "20", *cls.DETAILS)
                 if done.returncode != 0 or bus.handle_timeout(20000) <= 0:
                     raise AssertionError(done)
+        # After the fingerprint, the asker, the question's hash and the planner's id comes its version, then its scalar.
+        version_at = 8 + 32 + 8 + 8
+        length, = struct.unpack_from(">i", cls.good["plan"], version_at)
+        cls.counts_at = version_at + 4 + length + 1
 
     def ask_with_answers(self, command, answers, timeout_s=1):
-        """Runs ssv against a stand-in planner that answers every question with all of these, its request id put in."""
-        ask_channel, asked_at, answer_channel, answered_at = self.KINDS[command]
+        """Runs ssv against a stand-in planner that answers every question with all of these, its asker put in."""
+        ask_channel, answer_channel = self.KINDS[command]
         bus = lcm.LCM(URL)
         stop = threading.Event()
 
         def reply(channel, data):
             for answer in answers:
                 answer = bytearray(answer)
-                answer[answered_at:answered_at + 8] = data[asked_at:asked_at + 8]
+                answer[8:40] = data[8:40]
                 bus.publish(answer_channel, bytes(answer))
 
         bus.subscribe(ask_channel, reply)
@@ -1002,7 +1007,8 @@ class HostileAnswerTest(InFolder):
         thread = threading.Thread(target=serve)
         thread.start()
         try:
-            return ssv(command, PAPER_CASE, f"--lcm={URL}", "--timeout", str(timeout_s), "--format", "json")
+            return ssv(command, PAPER_CASE, f"--lcm={URL}", "--timeout", str(timeout_s), "--format", "json",
+                       *self.DETAILS)
         finally:
             stop.set()
             thread.join()
@@ -1019,7 +1025,7 @@ class HostileAnswerTest(InFolder):
 
     def foreign_quotes(self, command, quote_at):
         """Answers with a quote that is none, by where the quote stands."""
-        reason_at = quote_at + 33
+        reason_at = quote_at + 17
         return [
             self.patched(command, 0, b"\1" * 8),
             self.patched(command, quote_at, b"\x7f\xff\xff\xff"),  # more candidates than memory
@@ -1033,21 +1039,24 @@ class HostileAnswerTest(InFolder):
         ]
 
     def test_messages_that_are_no_plan_are_passed_over(self):
+        at = self.counts_at
         self.assert_passed_over("plan", [
-            b"\0" * 36,
-            self.patched("plan", 8, b"\x7f\xff\xff\xff"),  # more legs than memory
-            self.patched("plan", 12, b"\xff\xff\xff\xff"),  # fewer than no segments
-            *self.foreign_quotes("plan", 20),
+            b"\0" * 40,
+            self.patched("plan", at, b"\x7f\xff\xff\xff"),  # more legs than memory
+            self.patched("plan", at + 4, b"\0\0\0\x41"),  # one arc too many
+            self.patched("plan", at + 8, b"\xff\xff\xff\xff"),  # fewer than no segments
+            *self.foreign_quotes("plan", at + 16),
         ])
 
     def test_messages_that_are_no_quotes_for_as_many_tasks_as_asked_are_passed_over(self):
-        two = self.patched("quote", 8, b"\0\0\0\2") + self.good["quote"][28:]
+        at = self.counts_at
+        two = self.patched("quote", at, b"\0\0\0\2") + self.good["quote"][at + 4:]
         self.assert_passed_over("quote", [
             two,
-            self.patched("quote", 8, b"\0\0\0\0")[:28],
-            self.patched("quote", 8, b"\xff\xff\xff\xff"),
-            self.patched("quote", 8, b"\x7f\xff\xff\xff"),
-            *self.foreign_quotes("quote", 28),
+            self.patched("quote", at, b"\0\0\0\0")[:at + 4],
+            self.patched("quote", at, b"\xff\xff\xff\xff"),
+            self.patched("quote", at, b"\x7f\xff\xff\xff"),
+            *self.foreign_quotes("quote", at + 4),
         ])
 
     def test_a_damaged_answer_does_not_crash_the_asker(self):

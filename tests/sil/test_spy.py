@@ -94,7 +94,7 @@ def start_planner(test, url):
 
 # By key and, where two types have that key, by one beside it.
 WORDS = {"status": ("ok", "infeasible", "invalid", "numeric_overflow"), "phase": ("transit", "transfer"),
-         "ramp": ("full_reverse", "drag_only", "optimal"), "method": ("optimal", "paper"), "effort": ("quick", "best"),
+         "ramp": ("full_reverse", "drag_only", "optimal"), "method": ("optimal", "paper"), "scalar": ("double", "float", "fixed"), "effort": ("quick", "best"),
          ("kind", "phase"): ("translate", "turn", "screw"), ("kind", "t_s"): ("mate", "dock")}
 
 

@@ -58,6 +58,7 @@ static void answer_case_study(void) {
     scenario.ring_angle_given = true;
     scenario.ring_angle_rad = REAL(1);
     scenario.method = SSV_METHOD_OPTIMAL;
+    scenario.want_candidates = false;
     scenario.thrust_reserve = REAL(0.25);
     question = question_of(&scenario);
     TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_answer(&question, &planner, &answer));

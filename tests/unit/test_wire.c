@@ -372,6 +372,7 @@ static void test_a_plan_at_its_limits_passes_and_one_beyond_any_of_them_does_not
     state = SEED;
     random_plan(&plan);
     const size_t size = (size_t)lcm_ssv_plan_t_encode(bytes, 0, sizeof bytes, &plan);
+    const size_t first = (size_t)lcm_ssv_answer_t_encoded_size(&plan.answer); // the type hash in it is that of plan_t
     TEST_ASSERT_TRUE(wire_is_message("plan_t", bytes, size));
     TEST_ASSERT_FALSE(wire_is_message("quote_batch_t", bytes, size));
     TEST_ASSERT_FALSE(wire_is_message("plan_t", bytes, size + 1));
@@ -383,12 +384,12 @@ static void test_a_plan_at_its_limits_passes_and_one_beyond_any_of_them_does_not
     }
     for (size_t k = 0; k < sizeof counts / sizeof counts[0]; k++) {
         uint8_t kept[4];
-        memcpy(kept, &bytes[counts[k].at], 4);
-        memcpy(&bytes[counts[k].at], (const uint8_t[]){0x7f, 0xff, 0xff, 0xff}, 4);
+        memcpy(kept, &bytes[first + counts[k].at], 4);
+        memcpy(&bytes[first + counts[k].at], (const uint8_t[]){0x7f, 0xff, 0xff, 0xff}, 4);
         TEST_ASSERT_FALSE_MESSAGE(wire_is_message("plan_t", bytes, size), counts[k].what);
-        memset(&bytes[counts[k].at], 0xff, 4);
+        memset(&bytes[first + counts[k].at], 0xff, 4);
         TEST_ASSERT_FALSE_MESSAGE(wire_is_message("plan_t", bytes, size), counts[k].what);
-        memcpy(&bytes[counts[k].at], kept, 4);
+        memcpy(&bytes[first + counts[k].at], kept, 4);
     }
     wire_clear("plan_t", &plan);
 }
