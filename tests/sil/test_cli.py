@@ -343,7 +343,6 @@ class UsageTest(InFolder):
             ["plan", PAPER_CASE, "--lcm", "--timeout", ".nan"],
             ["plan", PAPER_CASE, "--candidates=yes"],
             ["quote"],
-            ["quote", *[PAPER_CASE] * 17],
             ["quote", PAPER_CASE, "--front=all"],
         ]:
             with self.subTest(arguments):
