@@ -60,7 +60,7 @@ static int exit_code(const lcm_ssv_plan_t* answer) {
 /// Shows the planner's answer: a plan where the options say, anything else on standard output, and on standard error
 /// why it is no plan. @return the exit code.
 static int conclude(const task_options_t* options, const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer) {
-    const report_plan_t report = {options->shown[0], question, answer};
+    const report_plan_t report = {options->shown[0], question, answer, options->over_lcm};
     const char* const path = answer->quote.status == LCM_SSV_QUOTE_T_STATUS_OK ? options->output_path : NULL;
     const bool written = output_report(path, options->as_json ? report_plan_json : report_plan_table, &report);
     if (answer->quote.status == LCM_SSV_QUOTE_T_STATUS_INFEASIBLE) {
@@ -83,7 +83,8 @@ static int explain(const task_options_t* options, const scenario_file_t* file, c
         task_explain(options, options->shown[0], file, answer->quote.reason, reason, sizeof reason);
         explained.quote.reason = reason;
     }
-    tree_make_harmless(explained.quote.reason); // it may come from the wire
+    tree_make_harmless(explained.quote.reason); // it may come from the wire, as may the next
+    tree_make_harmless(explained.answer.planner.version);
     return conclude(options, question, &explained);
 }
 

@@ -184,9 +184,11 @@ bool report_plan_table(FILE* out, const void* report) {
             is_optimal ? name_of(&names_effort, question->options.effort) : "");
     fprintf(out, "  %d combinations priced, %d timeline segments, %d bytes on the wire\n",
             (int)quote->choice.candidates, plan->num_segments, lcm_ssv_plan_t_encoded_size(plan));
-    fprintf(out, "  planned in %s by planner %016" PRIx64 ", version %s\n",
-            name_of(&names_scalar, plan->answer.planner.scalar), (uint64_t)plan->answer.planner.planner_id,
-            plan->answer.planner.version);
+    if (((const report_plan_t*)report)->names_planner) {
+        fprintf(out, "  planned in %s by planner %016" PRIx64 ", version %s\n",
+                name_of(&names_scalar, plan->answer.planner.scalar), (uint64_t)plan->answer.planner.planner_id,
+                plan->answer.planner.version);
+    }
     fprintf(out, "  scenario %016" PRIx64 ", plan %016" PRIx64 "\n", (uint64_t)quote->scenario_hash,
             (uint64_t)plan->plan_hash);
     return true;

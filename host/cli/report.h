@@ -15,6 +15,7 @@ typedef struct {
     const char* path;
     const lcm_ssv_scenario_t* question;
     const lcm_ssv_plan_t* plan;
+    bool names_planner; ///< whether the table says which planner it was
 } report_plan_t;
 
 typedef struct {

@@ -159,7 +159,7 @@ static void on_plan(const lcm_recv_buf_t* datagram, const char* channel, void* u
     link_t* link = user;
     lcm_ssv_plan_t answer;
     if (lcm_ssv_plan_t_decode(datagram->data, 0, (int)datagram->data_size, &answer) < 0) return;
-    link->last_answered = answer.quote.request_id;
+    link->last_answered = answer.answer.asker.request_id;
     lcm_ssv_plan_t_decode_cleanup(&answer);
 }
 
@@ -173,7 +173,7 @@ static double round_trip_ms(link_t* link, const lcm_ssv_scenario_t* question) {
             give_up("cannot send over LCM");
         }
         while (lcm_handle_timeout(link->lcm, ANSWER_TIMEOUT_US / 1000) > 0) {
-            if (link->last_answered == question->request_id) {
+            if (link->last_answered == question->asker.request_id) {
                 return now_ms() - start;
             }
         }
@@ -240,7 +240,7 @@ static int read_scenarios(row_t* rows) {
         row->question.options.method = (int8_t)row->way->method;
         row->question.options.effort = (int8_t)row->way->effort;
         row->question.options.want_candidates = 0;
-        row->question.request_id = (int64_t)(count + 1) * MAX_REPEATS;
+        row->question.asker.request_id = (int64_t)(count + 1) * MAX_REPEATS;
         ssv_scenario_from_wire(&scenario, &row->question);
         row->problem = problem_of(scenario, row->way);
     }
@@ -255,18 +255,19 @@ static void measure(row_t* row, link_t* link) {
     samples_add(&row->quote_ms, quote_ms(&row->problem));
     samples_add(&row->over_lcm_ms, round_trip_ms(link, &row->question));
     samples_add(&row->bound_ns, bound_ns(&row->problem));
-    row->question.request_id++;
+    row->question.asker.request_id++;
 }
 
 static void measure_scenarios(row_t* rows, int count) {
     static ssv_answer_t answer;
+    const lcm_ssv_planner_t planner = ssv_planner_identity(1);
     link_t link;
     link_open(&link);
     lcm_ssv_scenario_t first = rows[0].question;
-    first.request_id = 0;
+    first.asker.request_id = 0;
     round_trip_ms(&link, &first);     // until the daemon is up
     for (int i = 0; i < count; i++) { // a first, untimed look at each
-        if (ssv_answer(&rows[i].question, &answer) != SSV_OK) give_up(answer.wire.quote.reason);
+        if (ssv_answer(&rows[i].question, &planner, &answer) != SSV_OK) give_up(answer.wire.quote.reason);
         rows[i].cost = answer.wire.quote.cost;
         rows[i].bound = answer.wire.quote.cost_lower_bound;
         rows[i].segments = answer.wire.num_segments;

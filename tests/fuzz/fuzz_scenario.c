@@ -15,6 +15,13 @@
         }                                                                                                              \
     } while (0)
 
+static const lcm_ssv_planner_t planner = {.planner_id = 1, .version = (char[]){"0"}};
+
+static bool is_same_asker(const lcm_ssv_asker_t* a, const lcm_ssv_asker_t* b) {
+    return a->asker_id == b->asker_id && a->request_id == b->request_id && a->epoch_us == b->epoch_us &&
+           a->planner_id == b->planner_id;
+}
+
 static bool is_price(double x) { return isfinite(x) && x >= 0; }
 
 // How far two ways to the same sum may lie apart, relative and absolute, and how far a price below its bound or a
@@ -132,7 +139,8 @@ static void check_motion(const lcm_ssv_scenario_t* question, const lcm_ssv_plan_
         end_s = segment->t_s + segment->duration_s;
         CHECK(segment->leg >= 0 && segment->leg < plan->num_legs);
         for (int k = 0; k < SSV_NUM_THRUSTERS; k++) {
-            const double limit_N = question->vehicle.force_max_N * (1 + RELATIVE) + LIMIT_ABSOLUTE;
+            const double limit_N =
+                question->vehicle.force_max_N * (1 - question->thrust_reserve) * (1 + RELATIVE) + LIMIT_ABSOLUTE;
             CHECK(fabs(segment->u_start_N[k]) <= limit_N && fabs(segment->u_end_N[k]) <= limit_N);
         }
     }
@@ -161,7 +169,7 @@ __attribute__((noinline)) static void fill_stack(int filler) {
 static int plan_bytes(const lcm_ssv_scenario_t* question, ssv_answer_t* answer, int filler, uint8_t* bytes) {
     memset(answer, filler, sizeof *answer);
     fill_stack(filler);
-    check_status(ssv_answer(question, answer), answer->wire.quote.status);
+    check_status(ssv_answer(question, &planner, answer), answer->wire.quote.status);
     const int size = lcm_ssv_plan_t_encode(bytes, 0, SSV_PLAN_BYTES_MAX, &answer->wire);
     CHECK(size > 0 && size == lcm_ssv_plan_t_encoded_size(&answer->wire));
     return size;
@@ -175,12 +183,12 @@ static void plan_one(const lcm_ssv_scenario_t* question, ssv_answer_t* answer) {
     CHECK(first_size == second_size && memcmp(first, second, (size_t)first_size) == 0);
 
     const lcm_ssv_plan_t* plan = &answer->wire;
-    CHECK(plan->quote.request_id == question->request_id && plan->quote.epoch_us == question->epoch_us);
+    CHECK(is_same_asker(&plan->answer.asker, &question->asker));
     check_quote(question, &plan->quote);
     if (plan->quote.status == LCM_SSV_QUOTE_T_STATUS_OK) {
         check_motion(question, plan);
     } else {
-        CHECK(plan->num_legs == 0 && plan->num_segments == 0 && plan->num_events == 0);
+        CHECK(plan->num_legs == 0 && plan->num_arcs == 0 && plan->num_segments == 0 && plan->num_events == 0);
     }
 }
 
@@ -192,19 +200,18 @@ static bool quote_all(const lcm_ssv_scenario_batch_t* batch, ssv_answer_t* answe
     static ssv_batch_answer_t quotes;
     static uint8_t bytes[SSV_QUOTE_BATCH_BYTES_MAX];
     memset(&quotes, 0xA5, sizeof quotes);
-    ssv_answer_batch(batch, &quotes);
+    ssv_answer_batch(batch, 1, &planner, &quotes);
     CHECK(quotes.wire.num_quotes == batch->num_scenarios);
-    CHECK(quotes.wire.request_id == batch->request_id && quotes.wire.epoch_us == batch->epoch_us);
+    CHECK(is_same_asker(&quotes.wire.answer.asker, &batch->asker) && quotes.wire.answer.question_hash == 1);
     const int size = lcm_ssv_quote_batch_t_encode(bytes, 0, sizeof bytes, &quotes.wire);
     CHECK(size > 0 && size == lcm_ssv_quote_batch_t_encoded_size(&quotes.wire));
     bool all_legal = true;
     for (int i = 0; i < batch->num_scenarios; i++) {
         lcm_ssv_scenario_t alone = batch->scenarios[i];
         const lcm_ssv_quote_t* quote = &quotes.quotes[i];
-        CHECK(quote->request_id == alone.request_id && quote->epoch_us == alone.epoch_us);
         check_quote(&alone, quote);
-        alone.epoch_us = batch->epoch_us; // which holds for all of them
-        ssv_answer(&alone, answer);
+        alone.asker.epoch_us = batch->asker.epoch_us; // which holds for all of them
+        ssv_answer(&alone, &planner, answer);
         const lcm_ssv_quote_t* of_plan = &answer->wire.quote;
         if (of_plan->status == LCM_SSV_QUOTE_T_STATUS_OK) {
             CHECK(quote->status == LCM_SSV_QUOTE_T_STATUS_OK && quote->cost <= of_plan->cost);

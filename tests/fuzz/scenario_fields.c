@@ -28,6 +28,7 @@ const scenario_field_t scenario_fields[] = {
     FIELD(standoff_m, 1, 0.001, 20),
     FIELD(weight_time_per_s, 1, 0, 1000),
     FIELD(weight_impulse_per_Ns, 1, 0, 1000),
+    FIELD(thrust_reserve, 1, 0, 0x1.cccccp-1), // below 0.9 in every scalar
     FIELD(options.attach_heights_m, 8, -50, 50),
     FIELD(options.ring_angle_rad, 1, -6.28, 6.28),
 };
@@ -76,7 +77,7 @@ void scenario_repair(lcm_ssv_scenario_t* scenario) {
     if (scenario->weight_time_per_s < 0x1p-32 && scenario->weight_impulse_per_Ns < 0x1p-32) {
         scenario->weight_impulse_per_Ns = 0x1p-32; // the smallest number of the fixed scalar, where less is zero
     }
-    scenario->epoch_us = scenario->epoch_us < 0 ? 0 : scenario->epoch_us;
+    scenario->asker.epoch_us = scenario->asker.epoch_us < 0 ? 0 : scenario->asker.epoch_us;
     scenario->contact = (int8_t)clamped(scenario->contact, 0, 2);
 
     lcm_ssv_options_t* options = &scenario->options;

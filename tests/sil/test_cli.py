@@ -7,6 +7,7 @@ import random
 import re
 import resource
 import signal
+import struct
 import subprocess
 import tempfile
 import threading
@@ -43,8 +44,9 @@ def edited(text, *changes):
 def without_stamp(plan):
     """The answer without what differs from run to run by intent."""
     plan = json.loads(json.dumps(plan))
-    for part in (plan["scenario"], plan["quote"] if "quote" in plan else plan["plan"]["quote"]):
-        del part["request_id"], part["epoch_us"]
+    del plan["scenario"]["asker"]
+    if "plan" in plan:
+        del plan["plan"]["answer"]["asker"], plan["plan"]["answer"]["planner"]["planner_id"]
     return plan
 
 
@@ -341,7 +343,6 @@ class UsageTest(InFolder):
             ["plan", PAPER_CASE, "--lcm", "--timeout", ".nan"],
             ["plan", PAPER_CASE, "--candidates=yes"],
             ["quote"],
-            ["quote", *[PAPER_CASE] * 17],
             ["quote", PAPER_CASE, "--front=all"],
         ]:
             with self.subTest(arguments):
@@ -423,30 +424,35 @@ V3, Q4, U6 = [3, "real"], [4, "real"], [6, "real"]
 POSE = {"p_m": V3, "q": Q4}
 BODY = {"mass_kg": "real", "inertia_kg_m2": V3, "added_mass_kg": V3, "drag_lin_kg_s": "real", "drag_quad_kg_m": "real",
         "drag_lin_ang_Nm_s": "real", "drag_quad_ang_Nm_s2": "real"}
+ASKER = {"asker_id": "text", "request_id": "text", "epoch_us": "integer", "planner_id": "text"}
+ANSWER = {"asker": ASKER, "question_hash": "text", "planner": {"planner_id": "text", "version": "text", "scalar": "text"}}
 SCENARIO_SHAPE = {
-    "request_id": "integer", "epoch_us": "integer",
+    "asker": ASKER,
     "vehicle": {"body": BODY, "radius_m": "real", "force_max_N": "real", "thruster": ["any", {"p_ST_m": V3, "n_T_S": V3}]},
     "beam": {"body": BODY, "radius_m": "real", "length_m": "real", "drag_strip_kg_m2": "real"},
     "X_IS": POSE, "X_IB": POSE, "port": {"p_IP_m": V3, "axis_I": V3}, "contact": "integer", "standoff_m": "real",
     "weight_time_per_s": "real", "weight_impulse_per_Ns": "real",
+    "thrust_reserve": "real",
     "options": {"method": "text", "effort": "text", "num_attach_heights": "integer", "attach_heights_m": [8, "real"],
                 "attach_anywhere": "flag", "ring_angle_given": "flag", "ring_angle_rad": "real", "want_candidates": "flag",
                 "want_front": "flag"},
 }
 QUOTE_SHAPE = {
-    "num_candidates": "integer", "num_front": "integer", "request_id": "integer", "epoch_us": "integer",
+    "num_candidates": "integer", "num_front": "integer",
     "scenario_hash": "text", "status": "text", "reason": "text", "cost": "real", "cost_lower_bound": "real", "time_s": "real",
     "impulse_Ns": "real",
     "choice": {"contact": "integer", "attach_height_m": "real", "ring_angle_rad": "real", "candidates": "integer"},
-    "candidates": [], "front": [],
+    "X_IS_final": POSE, "X_IB_final": POSE, "candidates": [], "front": [],
 }
 PLAN_SHAPE = {
-    "num_legs": "integer", "num_segments": "integer", "num_events": "integer", "quote": QUOTE_SHAPE, "plan_hash": "text",
+    "answer": ANSWER, "num_legs": "integer", "num_arcs": "integer", "num_segments": "integer", "num_events": "integer", "quote": QUOTE_SHAPE, "plan_hash": "text",
     "legs": ["any", {"phase": "text", "kind": "text", "ramp": "text", "t_start_s": "real", "duration_s": "real",
-                     "impulse_Ns": "real", "peak_speed": "real", "X_IS_start": POSE, "X_IS_end": POSE}],
+                     "impulse_Ns": "real", "length": "real", "peak_speed": "real", "v_S": V3, "w_S": V3, "X_IS_start": POSE,
+                     "X_IS_end": POSE, "first_arc": "integer", "num_arcs": "integer"}],
+    "arcs": ["any", {"t_s": "real", "duration_s": "real", "s": "real", "v_start": "real", "v_end": "real", "dv_dt": V3}],
     "segments": ["any", {"t_s": "real", "duration_s": "real", "u_start_N": U6, "u_end_N": U6, "leg": "integer"}],
     "events": ["any", {"t_s": "real", "kind": "text"}],
-    "X_IS_final": POSE, "X_IB_final": POSE,
+    "X_SB": POSE,
 }
 
 
@@ -478,7 +484,7 @@ class PlanJsonTest(InFolder):
                 scenario, plan = answer["scenario"], answer["plan"]
                 quote, legs = plan["quote"], plan["legs"]
                 self.assertEqual((quote["status"], quote["reason"]), ("ok", ""))
-                self.assertEqual(quote["request_id"], scenario["request_id"])
+                self.assertEqual(plan["answer"]["asker"], scenario["asker"])
                 self.assertEqual([event["kind"] for event in plan["events"]], ["mate", "dock"])
                 for total, of_leg in (("time_s", "duration_s"), ("impulse_Ns", "impulse_Ns")):
                     self.assertTrue(math.isclose(sum(leg[of_leg] for leg in legs), quote[total], rel_tol=1e-12), total)
@@ -486,8 +492,8 @@ class PlanJsonTest(InFolder):
                 transit_s = sum(leg["duration_s"] for leg in legs if leg["phase"] == "transit")
                 self.assertAlmostEqual(plan["events"][0]["t_s"], transit_s, 9)
                 self.assertAlmostEqual(plan["events"][1]["t_s"], quote["time_s"], 9)
-                self.assertEqual(legs[-1]["X_IS_end"], plan["X_IS_final"])
-                for name in ("legs", "segments", "events"):
+                self.assertEqual(legs[-1]["X_IS_end"], quote["X_IS_final"])
+                for name in ("legs", "arcs", "segments", "events"):
                     self.assertEqual(plan[f"num_{name}"], len(plan[name]))
                 for text in (quote["scenario_hash"], plan["plan_hash"]):
                     self.assertRegex(text, "^[0-9a-f]{16}$")
@@ -525,12 +531,12 @@ class PlanJsonTest(InFolder):
     def test_the_docked_beam_ends_on_the_port_and_points_into_it(self):
         for task, plan in self.plans.items():
             with self.subTest(" ".join(task)):
-                w, x, y, z = plan["plan"]["X_IB_final"]["q"]
+                w, x, y, z = plan["plan"]["quote"]["X_IB_final"]["q"]
                 z_B = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]
                 outward = -1 if plan["plan"]["quote"]["choice"]["contact"] == 1 else 1
                 half_m = plan["scenario"]["beam"]["length_m"] / 2
                 for i in range(3):
-                    contact = plan["plan"]["X_IB_final"]["p_m"][i] + outward * half_m * z_B[i]
+                    contact = plan["plan"]["quote"]["X_IB_final"]["p_m"][i] + outward * half_m * z_B[i]
                     self.assertAlmostEqual(contact, plan["scenario"]["port"]["p_IP_m"][i], 9)
                     self.assertAlmostEqual(outward * z_B[i], -plan["scenario"]["port"]["axis_I"][i], 9)
 
@@ -676,7 +682,7 @@ class QuoteTest(InFolder):
         self.assertEqual([quote["quote"]["status"] for quote in alone.values()], ["ok", "infeasible", "invalid", "invalid"])
         self.assertEqual(list(alone[far]), ["file", "scenario", "quote"])
         self.assertEqual(list(alone[bad]), ["file", "quote"])
-        same = lambda row: {key: row["quote"][key] for key in row["quote"] if key not in ("request_id", "epoch_us")}
+        same = lambda row: {key: row["quote"][key] for key in row["quote"]}
         for paths, code in (([far, PAPER_CASE], 3), ([typo, far, PAPER_CASE, bad, PAPER_CASE], 2), ([far, bad], 2),
                             ([typo, far], 2), ([PAPER_CASE] * 16, 0)):
             for quote, path in zip(self.quotes(paths, code=code), paths):
@@ -889,7 +895,7 @@ class OverLcmTest(InFolder):
                     self.assertEqual(done.returncode, 0, done)
                     here = json.loads(ssv("plan", path, "--format", "json", *arguments).stdout)
                     there = json.loads(done.stdout)
-                    self.assertNotEqual(here["scenario"]["request_id"], there["scenario"]["request_id"])
+                    self.assertNotEqual(here["scenario"]["asker"]["request_id"], there["scenario"]["asker"]["request_id"])
                     self.assertEqual(without_stamp(here), without_stamp(there))
 
     def test_invalid_and_infeasible_come_back_with_the_same_reason_and_exit_code(self):
@@ -908,7 +914,7 @@ class OverLcmTest(InFolder):
         typo = self.folder / "typo.yaml"
         typo.write_text(edited(PAPER_CASE.read_text(), ("standoff_m", "standof_m")))
         far = self.scenario(("p_IS_m: [0, 0, 0]", "p_IS_m: [-900, 0, 0]"))
-        stamped = r'"(request_id|epoch_us)": \d+'
+        stamped = r'"(asker_id|request_id|epoch_us|planner_id)": "?[0-9a-f]+"?'
         with Daemon(URL):
             for paths, details, code in ((SCENARIOS, [], 0), (SCENARIOS, ["--candidates", "--front"], 0),
                                          ([typo, PAPER_CASE, bad, far, PORT1], [], 2), ([typo], [], 2)):
@@ -961,30 +967,34 @@ class OverLcmTest(InFolder):
 class HostileAnswerTest(InFolder):
     """Whatever comes on the planner's channels: what is no answer is passed over, and nothing crashes the asker."""
 
-    # Where the request id stands: after the fingerprint and the counts; in a question after the fingerprint and its count.
-    KINDS = {"plan": ("SSV_SCENARIO", 8, "SSV_PLAN", 28), "quote": ("SSV_SCENARIO_BATCH", 12, "SSV_QUOTE_BATCH", 12)}
+    KINDS = {"plan": ("SSV_SCENARIO", "SSV_PLAN"), "quote": ("SSV_SCENARIO_BATCH", "SSV_QUOTE_BATCH")}
+    DETAILS = ("--candidates", "--front")
 
     @classmethod
     def setUpClass(cls):
         cls.good = {}
-        for command, (_, _, channel, _) in cls.KINDS.items():
+        for command, (_, channel) in cls.KINDS.items():
             bus = lcm.LCM(URL)
             bus.subscribe(channel, lambda channel, data: cls.good.setdefault(command, data))
             with Daemon(URL):
-                done = ssv(command, PAPER_CASE, f"--lcm={URL}", "--timeout", "20", "--candidates", "--front")
+                done = ssv(command, PAPER_CASE, f"--lcm={URL}", "--timeout", "20", *cls.DETAILS)
                 if done.returncode != 0 or bus.handle_timeout(20000) <= 0:
                     raise AssertionError(done)
+        # After the fingerprint, the asker, the question's hash and the planner's id comes its version, then its scalar.
+        version_at = 8 + 32 + 8 + 8
+        length, = struct.unpack_from(">i", cls.good["plan"], version_at)
+        cls.counts_at = version_at + 4 + length + 1
 
     def ask_with_answers(self, command, answers, timeout_s=1):
-        """Runs ssv against a stand-in planner that answers every question with all of these, its request id put in."""
-        ask_channel, asked_at, answer_channel, answered_at = self.KINDS[command]
+        """Runs ssv against a stand-in planner that answers every question with all of these, its asker put in."""
+        ask_channel, answer_channel = self.KINDS[command]
         bus = lcm.LCM(URL)
         stop = threading.Event()
 
         def reply(channel, data):
             for answer in answers:
                 answer = bytearray(answer)
-                answer[answered_at:answered_at + 8] = data[asked_at:asked_at + 8]
+                answer[8:40] = data[8:40]
                 bus.publish(answer_channel, bytes(answer))
 
         bus.subscribe(ask_channel, reply)
@@ -996,7 +1006,8 @@ class HostileAnswerTest(InFolder):
         thread = threading.Thread(target=serve)
         thread.start()
         try:
-            return ssv(command, PAPER_CASE, f"--lcm={URL}", "--timeout", str(timeout_s), "--format", "json")
+            return ssv(command, PAPER_CASE, f"--lcm={URL}", "--timeout", str(timeout_s), "--format", "json",
+                       *self.DETAILS)
         finally:
             stop.set()
             thread.join()
@@ -1013,7 +1024,7 @@ class HostileAnswerTest(InFolder):
 
     def foreign_quotes(self, command, quote_at):
         """Answers with a quote that is none, by where the quote stands."""
-        reason_at = quote_at + 33
+        reason_at = quote_at + 17
         return [
             self.patched(command, 0, b"\1" * 8),
             self.patched(command, quote_at, b"\x7f\xff\xff\xff"),  # more candidates than memory
@@ -1027,21 +1038,24 @@ class HostileAnswerTest(InFolder):
         ]
 
     def test_messages_that_are_no_plan_are_passed_over(self):
+        at = self.counts_at
         self.assert_passed_over("plan", [
-            b"\0" * 36,
-            self.patched("plan", 8, b"\x7f\xff\xff\xff"),  # more legs than memory
-            self.patched("plan", 12, b"\xff\xff\xff\xff"),  # fewer than no segments
-            *self.foreign_quotes("plan", 20),
+            b"\0" * 40,
+            self.patched("plan", at, b"\x7f\xff\xff\xff"),  # more legs than memory
+            self.patched("plan", at + 4, b"\0\0\0\x41"),  # one arc too many
+            self.patched("plan", at + 8, b"\xff\xff\xff\xff"),  # fewer than no segments
+            *self.foreign_quotes("plan", at + 16),
         ])
 
     def test_messages_that_are_no_quotes_for_as_many_tasks_as_asked_are_passed_over(self):
-        two = self.patched("quote", 8, b"\0\0\0\2") + self.good["quote"][28:]
+        at = self.counts_at
+        two = self.patched("quote", at, b"\0\0\0\2") + self.good["quote"][at + 4:]
         self.assert_passed_over("quote", [
             two,
-            self.patched("quote", 8, b"\0\0\0\0")[:28],
-            self.patched("quote", 8, b"\xff\xff\xff\xff"),
-            self.patched("quote", 8, b"\x7f\xff\xff\xff"),
-            *self.foreign_quotes("quote", 28),
+            self.patched("quote", at, b"\0\0\0\0")[:at + 4],
+            self.patched("quote", at, b"\xff\xff\xff\xff"),
+            self.patched("quote", at, b"\x7f\xff\xff\xff"),
+            *self.foreign_quotes("quote", at + 4),
         ])
 
     def test_a_damaged_answer_does_not_crash_the_asker(self):

@@ -41,10 +41,10 @@ def free_port():
         return s.getsockname()[1]
 
 
-def question(request_id, epoch_us=0):
+def question(request_id, epoch_us=0, asker_id=0):
     """The paper's case study with a real tube for a beam."""
     q = ssv.scenario_t()
-    q.request_id, q.epoch_us = request_id, epoch_us
+    q.asker.asker_id, q.asker.request_id, q.asker.epoch_us = asker_id, request_id, epoch_us
     body = q.vehicle.body
     body.mass_kg, body.inertia_kg_m2, body.drag_lin_kg_s, body.drag_quad_ang_Nm_s2 = 76.2, [2.7] * 3, 413.685, 2.2
     r = q.vehicle.radius_m = 0.3025
@@ -64,9 +64,10 @@ def question(request_id, epoch_us=0):
     return q
 
 
-def batch(request_id, scenarios, epoch_us=0):
+def batch(request_id, scenarios, epoch_us=0, asker_id=0):
     b = ssv.scenario_batch_t()
-    b.request_id, b.epoch_us, b.num_scenarios, b.scenarios = request_id, epoch_us, len(scenarios), scenarios
+    b.asker.asker_id, b.asker.request_id, b.asker.epoch_us = asker_id, request_id, epoch_us
+    b.num_scenarios, b.scenarios = len(scenarios), scenarios
     return b
 
 
@@ -118,10 +119,10 @@ class Daemon:
         return code
 
     def _on_plan(self, _channel, data):
-        self.answers.setdefault(struct.unpack_from(">q", data, 28)[0], []).append(data)
+        self.answers.setdefault(struct.unpack_from(">q", data, 16)[0], []).append(data)
 
     def _on_quotes(self, _channel, data):
-        self.quotes.setdefault(struct.unpack_from(">q", data, 12)[0], []).append(data)
+        self.quotes.setdefault(struct.unpack_from(">q", data, 16)[0], []).append(data)
 
     def _on_status(self, _channel, data):
         self.statuses.append(ssv.planner_status_t.decode(data))
@@ -148,7 +149,7 @@ class Daemon:
         self.lcm.publish(BATCH if isinstance(q, ssv.scenario_batch_t) else SCENARIO, q.encode())
 
     def answers_to(self, q):
-        return (self.quotes if isinstance(q, ssv.scenario_batch_t) else self.answers).get(q.request_id, [])
+        return (self.quotes if isinstance(q, ssv.scenario_batch_t) else self.answers).get(q.asker.request_id, [])
 
     def ask_all(self, questions):
         """Sends them in one burst, and those without an answer again. @return the answers, in order."""
@@ -157,7 +158,7 @@ class Daemon:
         missing = list(zip(questions, before))
         while missing:
             if time.monotonic() > end or self.process.poll() is not None:
-                raise AssertionError(f"no answer to {[q.request_id for q, _ in missing][:5]}... (exit code "
+                raise AssertionError(f"no answer to {[q.asker.request_id for q, _ in missing][:5]}... (exit code "
                                      f"{self.process.poll()}). The log ends:\n" + self.said()[-3000:])
             for q, _ in missing:
                 self.send(q)
@@ -196,7 +197,7 @@ class Answers(DaemonTest):
         daemon = self.start()
         plan = daemon.ask(question(42, 7))
         quote = plan.quote
-        self.assertEqual((quote.status, quote.reason, quote.request_id, quote.epoch_us), (OK, "", 42, 7))
+        self.assertEqual((quote.status, quote.reason, plan.answer.asker.request_id, plan.answer.asker.epoch_us), (OK, "", 42, 7))
         self.assertAlmostEqual(quote.cost, quote.time_s + quote.impulse_Ns, delta=1e-9 * quote.cost)
         self.assertTrue(0 < quote.cost_lower_bound <= quote.cost)
         self.assertAlmostEqual(sum(leg.duration_s for leg in plan.legs), quote.time_s, delta=1e-9 * quote.time_s)
@@ -215,11 +216,10 @@ class Answers(DaemonTest):
         daemon.ask(question(1, 50))
         daemon.ask(question(2, 60))
         daemon.ask(question(1, 50))  # its epoch is older than 60 by now
-        daemon.ask(question(1, 99))  # the id decides, not what comes with it
-        daemon.ask(changed(question(1, 99), "contact", 77))
+        daemon.ask(question(1, 99))  # what is asked decides, not when
         self.assertGreaterEqual(len(daemon.answers[1]), 4)
         self.assertEqual(len(set(daemon.answers[1])), 1)
-        self.assertEqual(daemon.ask(question(3, 60)).quote.status, OK)  # 99 came with a repeated id and did not count
+        self.assertEqual(daemon.ask(question(3, 60)).quote.status, OK)  # 99 came with a repeated question and did not count
         status = daemon.next_status()
         self.assertEqual((status.accepted, status.repeated), (3, status.received - 3))
 
@@ -235,10 +235,10 @@ class Answers(DaemonTest):
         daemon = self.start()
         first = daemon.ask(question(1))
         bad = changed(question(0), "contact", 77)
-        daemon.ask_all([changed(bad, "request_id", i) for i in range(2, 257)])
+        daemon.ask_all([changed(bad, "asker.request_id", i) for i in range(2, 257)])
         self.assertEqual(daemon.ask(question(1)).plan_hash, first.plan_hash)
         self.assertEqual(daemon.next_status().accepted, 1)
-        daemon.ask(changed(bad, "request_id", 257))
+        daemon.ask(changed(bad, "asker.request_id", 257))
         self.assertEqual(daemon.ask(question(1)).plan_hash, first.plan_hash)
         self.assertEqual(daemon.next_status().accepted, 2)
 
@@ -254,7 +254,7 @@ class Answers(DaemonTest):
     def test_any_64_bit_request_id_is_an_id(self):
         daemon = self.start()
         for request_id in (0, -1, 2**63 - 1, -(2**63)):
-            self.assertEqual(daemon.ask(question(request_id)).quote.request_id, request_id)
+            self.assertEqual(daemon.ask(question(request_id)).answer.asker.request_id, request_id)
 
     def test_a_task_that_no_candidate_can_do_is_infeasible_with_a_reason_for_each(self):
         plan = self.start().ask(changed(question(1), "X_IS.p_m", [-900, 0, 0]))
@@ -403,7 +403,7 @@ class InvalidScenarios(DaemonTest):
             plan = daemon.ask(q)
             with self.subTest(expected):
                 quote = plan.quote
-                self.assertEqual((quote.status, quote.request_id), (INVALID, q.request_id))
+                self.assertEqual((quote.status, plan.answer.asker.request_id), (INVALID, q.asker.request_id))
                 self.assertTrue(quote.reason.startswith(expected), quote.reason)
                 self.assertEqual((quote.num_candidates, plan.num_legs, plan.num_segments, plan.num_events), (0, 0, 0, 0))
             counted[counter] += 1
@@ -446,18 +446,17 @@ class Batches(DaemonTest):
         daemon = self.start()
         scenarios = list(unlike())
         answer = daemon.ask(batch(1000, scenarios, 16))
-        plans = daemon.ask_all([changed(q, "epoch_us", 16) for q in scenarios])
-        self.assertEqual((answer.request_id, answer.epoch_us, answer.num_quotes), (1000, 16, 16))
+        plans = daemon.ask_all([changed(q, "asker.epoch_us", 16) for q in scenarios])
+        self.assertEqual((answer.answer.asker.request_id, answer.answer.asker.epoch_us, answer.num_quotes), (1000, 16, 16))
         self.assertEqual(len({quote.cost for quote in answer.quotes}), 16)
         for i, (quote, plan) in enumerate(zip(answer.quotes, plans)):
             with self.subTest(i):
-                self.assertEqual((quote.status, quote.request_id, quote.epoch_us), (OK, i, i))
-                quote.epoch_us = 16
+                self.assertEqual(quote.status, OK)
                 self.assertEqual(quote.encode(), plan.quote.encode())
 
     def test_a_batch_of_one_is_a_cost_only_query(self):
         answer = self.start().ask(batch(7, [question(5)]))
-        self.assertEqual([(quote.request_id, quote.status) for quote in answer.quotes], [(5, OK)])
+        self.assertEqual([quote.status for quote in answer.quotes], [OK])
 
     def test_candidates_and_front_come_only_on_request(self):
         daemon = self.start()
@@ -499,8 +498,8 @@ class Batches(DaemonTest):
         self.assertEqual((status.batches, status.quoted, status.accepted), (1, 3, 1))
         self.assertEqual((status.infeasible, status.rejected_not_finite, status.rejected_not_unit), (2, 2, 2))
         said = daemon.said()
-        self.assertRegex(said, r"(?m) INFO  batch 1, scenario 1: invalid: standoff_m: nan is not a finite number$")
-        self.assertRegex(said, r"(?m) INFO  batch 1: 3 of 6 scenarios ok, \d+ bytes, priced in .* ms$")
+        self.assertRegex(said, r"(?m) INFO  batch 0{15}1, scenario 1: invalid: standoff_m: nan is not a finite number$")
+        self.assertRegex(said, r"(?m) INFO  batch 0{15}1: 3 of 6 scenarios ok, priced in .* ms$")
 
     def test_the_longest_answers_fit_one_datagram(self):
         daemon = self.start()
@@ -519,13 +518,13 @@ class Batches(DaemonTest):
         daemon = self.start()
         daemon.ask(question(1))
         daemon.ask(batch(1, [question(1), question(2)]))
-        daemon.ask(batch(1, [question(3)], 99))  # the id decides, not what comes with it
+        daemon.ask(batch(1, [question(1), question(2)], 99))  # what is asked decides, not when
         daemon.ask(question(1))
         self.assertEqual((len(set(daemon.quotes[1])), len(set(daemon.answers[1]))), (1, 1))
         status = daemon.next_status()
         self.assertEqual((status.accepted, status.batches, status.quoted), (1, 1, 2))
         self.assertEqual(status.repeated, status.received - 2)
-        self.assertEqual(daemon.ask(question(2)).quote.status, OK)  # 99 came with a repeated id and did not count
+        self.assertEqual(daemon.ask(question(2)).quote.status, OK)  # 99 came with a repeated question and did not count
 
     def test_every_batch_of_a_burst_is_answered_exactly_once_among_scenarios(self):
         daemon = self.start()
@@ -547,17 +546,17 @@ class Batches(DaemonTest):
         self.assertEqual(daemon.ask(batch(6, [bad, question(1)], 3000)).quotes[1].status, OK)
         self.assertIn("2999 is older than 3000", daemon.ask(question(7, 2999)).quote.reason)
         negative = daemon.ask(batch(8, [question(0), question(1)], -1))
-        self.assertTrue(all(quote.reason.startswith("epoch_us: -1 is negative") for quote in negative.quotes))
+        self.assertTrue(all(quote.reason.startswith("asker.epoch_us: -1 is negative") for quote in negative.quotes))
         self.assertEqual(daemon.next_status().rejected_stale_epoch, 4)
 
     def test_what_is_no_batch_through_and_through_is_refused_without_harm(self):
         daemon = self.start()
         good = batch(1, [question(0), question(1)]).encode()
-        counted = lambda count: good[:8] + struct.pack(">i", count) + good[12:]
+        counted = lambda count: good[:40] + struct.pack(">i", count) + good[44:]
         whole = lambda count: counted(count) + (count - 2) * question(0).encode()[8:]
         rng = random.Random(SEED)
         malformed = [counted(count) for count in (0, 1, 3, 16, 17, -1, -2**31, 2**31 - 1)]
-        malformed += [whole(17), whole(60), counted(0)[:28], question(0).encode(), b"", rng.randbytes(1594)]
+        malformed += [whole(17), whole(60), counted(0)[:44], question(0).encode(), b"", rng.randbytes(1594)]
         malformed += [good[:length] for length in range(0, len(good), 61)] + [good + b"\0", rng.randbytes(8) + good[8:]]
         malformed += [good[:8] + rng.randbytes(rng.randrange(3000)) for _ in range(200)]
         for channel, data in [(BATCH, data) for data in malformed] + [(SCENARIO, good)]:
@@ -629,7 +628,7 @@ class Junk(DaemonTest):
             lambda: short(b"A" * r.randrange(60, 70) + r.choice((b"", b"\0")), good),
             lambda: short(named, b""),
             lambda: short(named_batch, r.randbytes(8) + good_batch[8:]),
-            lambda: short(named_batch, self.flipped(good_batch[:28]) + good_batch[28:]),
+            lambda: short(named_batch, self.flipped(good_batch[:44]) + good_batch[44:]),
             lambda: self.cut(short(named_batch, good_batch)),
             lambda: self.fragment(named + good),
             lambda: self.fragment(r.randbytes(900)),
@@ -670,13 +669,13 @@ class Junk(DaemonTest):
         good = question(0).encode()
         nasty = (NAN, INF, -INF, 0.0, -0.0, 5e-324, -5e-324, 2.2e-308, 1.7e308, -1.7e308, 1e-9, -1e-9, 1e9, -1.0, 2.0**53)
         for i in range(count):
-            head = good[:8] + struct.pack(">q", i)
+            head = good[:8] + struct.pack(">4q", 0, i, 0, 0)
             if i % 2 == 0:
-                yield head + r.randbytes(len(good) - 16)
+                yield head + r.randbytes(len(good) - 40)
                 continue
-            data = bytearray(head + good[16:])
+            data = bytearray(head + good[40:])
             for _ in range(r.randint(1, 3)):
-                struct.pack_into(">d", data, 24 + 8 * r.randrange((len(data) - 24) // 8), r.choice(nasty))
+                struct.pack_into(">d", data, 40 + 8 * r.randrange((len(data) - 40) // 8), r.choice(nasty))
             yield bytes(data)
 
     def test_10000_malformed_scenarios_are_all_answered_and_leave_it_answering(self):
@@ -715,8 +714,9 @@ class Process(DaemonTest):
                           last.quote_batch_type_hash, last.planner_status_type_hash),
                          tuple(map(type_hash, (ssv.scenario_t, ssv.plan_t, ssv.scenario_batch_t, ssv.quote_batch_t,
                                                ssv.planner_status_t))))
-        self.assertEqual(f"ssv-plannerd {last.version} ({last.scalar})\n", self.run_daemon("--version").stdout)
-        self.assertEqual(last.scalar, "double")
+        self.assertEqual(f"ssv-plannerd {last.planner.version} (double)\n", self.run_daemon("--version").stdout)
+        self.assertEqual(last.planner.scalar, ssv.planner_t.SCALAR_DOUBLE)
+        self.assertNotEqual(last.planner.planner_id, 0)
         self.assertEqual((last.accepted, last.last_request_id), (1, 77))
         self.assertLess(0, last.last_plan_us)
         self.assertLessEqual(last.last_plan_us, last.worst_plan_us)
@@ -736,8 +736,8 @@ class Process(DaemonTest):
         daemon.ask(changed(question(123457), "standoff_m", NAN))
         said = daemon.said()
         stamp = r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z"
-        self.assertRegex(said, rf"(?m)^{stamp} INFO  scenario 123456: ok, J .* planned in .* ms$")
-        self.assertRegex(said, r"(?m) INFO  scenario 123457: invalid: standoff_m: nan is not a finite number$")
+        self.assertRegex(said, rf"(?m)^{stamp} INFO  scenario {123456:016x}: ok, J .* planned in .* ms$")
+        self.assertRegex(said, rf"(?m) INFO  scenario {123457:016x}: invalid: standoff_m: nan is not a finite number$")
 
     def test_sigterm_and_sigint_end_it_with_exit_code_0(self):
         for number in (signal.SIGTERM, signal.SIGINT):
@@ -771,12 +771,12 @@ class Process(DaemonTest):
 
     def test_sigterm_ends_it_while_scenarios_pour_in(self):
         good = question(0).encode()
-        self.assert_sigterm_ends_it_under_a_flood(lambda i: good[:8] + struct.pack(">q", i) + good[16:],
+        self.assert_sigterm_ends_it_under_a_flood(lambda i: good[:16] + struct.pack(">q", i) + good[24:],
                                                   lambda status: status.accepted > 20)
 
     def test_sigterm_ends_it_while_batches_pour_in(self):
         good = batch(0, [question(0)] * 16).encode()
-        self.assert_sigterm_ends_it_under_a_flood(lambda i: good[:12] + struct.pack(">q", i) + good[20:],
+        self.assert_sigterm_ends_it_under_a_flood(lambda i: good[:16] + struct.pack(">q", i) + good[24:],
                                                   lambda status: status.batches > 5, BATCH)
 
     def test_sigterm_ends_it_while_junk_pours_in(self):

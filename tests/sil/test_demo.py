@@ -85,7 +85,7 @@ class TablesTest(unittest.TestCase):
                               env=ENVIRONMENT)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         for words in ("Table 5", "Table 6", "Table 7", "Why they differ",
-                      "9 plans by the paper's method received over LCM", "bytes each, planned in",
+                      "9 plans by the paper's method received over LCM", "thrust segments each, planned in",
                       "3 plans by method optimal, effort best, received over LCM"):
             self.assertIn(words, done.stdout)
         self.assertLessEqual(max(map(len, done.stdout.splitlines())), 120)

@@ -63,12 +63,14 @@ def hand_made_plan():
                   ([0, 1, 0], [0, 0, 1]), ([0, -1, 0], [0, 0, -1])]
     half = math.sqrt(0.5)
     start = pose([1.0, 2.0, 3.0], [half, 0.0, 0.0, -half])
+    asker = {"asker_id": "0" * 16, "request_id": "0" * 15 + "7", "epoch_us": 0, "planner_id": "0" * 16}
     nowhere = pose([0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0])  # where the planner says the craft is, which nobody asks
     legs = [{"phase": phase, "kind": "translate", "ramp": "optimal", "t_start_s": 0.0, "duration_s": 1.0, "impulse_Ns": 0.0,
-             "peak_speed": 0.0, "X_IS_start": nowhere, "X_IS_end": nowhere} for phase in ("transit", "transit", "transfer")]
+             "length": 0.0, "peak_speed": 0.0, "v_S": [0.0] * 3, "w_S": [0.0] * 3, "X_IS_start": nowhere, "X_IS_end": nowhere,
+             "first_arc": 0, "num_arcs": 0} for phase in ("transit", "transit", "transfer")]
     return {
         "scenario": {
-            "request_id": 7, "epoch_us": 0,
+            "asker": asker,
             "vehicle": {"body": body(MASS_KG, [INERTIA_KG_M2] * 3, DRAG_KG_S, DRAG_NM_S), "radius_m": R_S,
                         "force_max_N": FORCE_MAX_N,
                         "thruster": [{"p_ST_m": [R_S * x for x in r], "n_T_S": n} for r, n in directions]},
@@ -77,19 +79,22 @@ def hand_made_plan():
             "X_IS": start, "X_IB": pose([1.0 + 4.0 + STANDOFF_M, 2.0, 3.0], [1.0, 0.0, 0.0, 0.0]),
             "port": {"p_IP_m": [1.0 + 6.0 + STANDOFF_M, 2.0, 3.0 + BEAM_LENGTH_M / 2], "axis_I": [0.0, 0.0, -1.0]},
             "contact": 0, "standoff_m": STANDOFF_M, "weight_time_per_s": 1.0, "weight_impulse_per_Ns": 0.0,
+            "thrust_reserve": 0.0,
             "options": {"method": "paper", "effort": "quick", "num_attach_heights": 1, "attach_heights_m": [0.0] * 8,
                         "attach_anywhere": False, "ring_angle_given": False, "ring_angle_rad": 0.0,
                         "want_candidates": False, "want_front": False}},
         "plan": {
-            "num_legs": 3, "num_segments": len(segments), "num_events": 2,
-            "quote": {"num_candidates": 0, "num_front": 0, "request_id": 7, "epoch_us": 0, "scenario_hash": "0" * 16,
+            "answer": {"asker": asker, "question_hash": "0" * 16,
+                       "planner": {"planner_id": "0" * 16, "version": "0", "scalar": "double"}},
+            "num_legs": 3, "num_arcs": 0, "num_segments": len(segments), "num_events": 2,
+            "quote": {"num_candidates": 0, "num_front": 0, "scenario_hash": "0" * 16,
                       "status": "ok", "reason": "", "cost": t_s, "cost_lower_bound": 0.0, "time_s": t_s,
                       "impulse_Ns": impulse_Ns,
                       "choice": {"contact": 2, "attach_height_m": 0.0, "ring_angle_rad": math.pi, "candidates": 1},
-                      "candidates": [], "front": []},
-            "plan_hash": "0" * 16, "legs": legs, "segments": segments,
+                      "X_IS_final": nowhere, "X_IB_final": nowhere, "candidates": [], "front": []},
+            "plan_hash": "0" * 16, "legs": legs, "arcs": [], "segments": segments,
             "events": [{"t_s": 68.0, "kind": "mate"}, {"t_s": 108.0, "kind": "dock"}],
-            "X_IS_final": nowhere, "X_IB_final": nowhere},
+            "X_SB": nowhere},
     }
 
 

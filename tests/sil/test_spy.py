@@ -94,12 +94,12 @@ def start_planner(test, url):
 
 # By key and, where two types have that key, by one beside it.
 WORDS = {"status": ("ok", "infeasible", "invalid", "numeric_overflow"), "phase": ("transit", "transfer"),
-         "ramp": ("full_reverse", "drag_only", "optimal"), "method": ("optimal", "paper"), "effort": ("quick", "best"),
+         "ramp": ("full_reverse", "drag_only", "optimal"), "method": ("optimal", "paper"), "scalar": ("double", "float", "fixed"), "effort": ("quick", "best"),
          ("kind", "phase"): ("translate", "turn", "screw"), ("kind", "t_s"): ("mate", "dock")}
 
 
 def in_json(wire):
-    """The fields of a message as JSON should have them: words for enums, digits for hashes."""
+    """The fields of a message as JSON should have them: words for enums, digits for hashes and ids."""
     if isinstance(wire, list):
         return [in_json(element) for element in wire]
     if not isinstance(wire, dict):
@@ -107,7 +107,7 @@ def in_json(wire):
     fields = {}
     for key, value in wire.items():
         words = next((WORDS[name] for name in WORDS if name == key or (name[0] == key and name[1] in wire)), None)
-        fields[key] = (f"{value % 2**64:016x}" if key.endswith("_hash") else words[value] if words else in_json(value))
+        fields[key] = (f"{value % 2**64:016x}" if key.endswith(("_hash", "_id")) else words[value] if words else in_json(value))
     return fields
 
 
@@ -124,7 +124,7 @@ class WatchingThePlanner(unittest.TestCase):
         status = probe.wait_for("the status of the idle planner", lambda m: m["channel"] == STATUS)
         self.assertEqual(status["type"], "ssv.planner_status_t")
         version = subprocess.run([BIN / "ssv-plannerd", "--version"], capture_output=True, text=True, check=True).stdout
-        self.assertIn(status["fields"]["version"], version.split())
+        self.assertIn(status["fields"]["planner"]["version"], version.split())
         self.assertEqual((status["fields"]["received"], status["fields"]["last_request_id"]), (0, 0))
         self.assertGreaterEqual(status["fields"]["uptime_us"], 0)
 
@@ -133,7 +133,7 @@ class WatchingThePlanner(unittest.TestCase):
                                timeout=DEADLINE_S)
         self.assertEqual(asked.returncode, 0, asked.stderr)
         received = json.loads(asked.stdout)
-        request_id = received["plan"]["quote"]["request_id"]
+        request_id = int.from_bytes(bytes.fromhex(received["plan"]["answer"]["asker"]["request_id"]), signed=True)
 
         scenario = probe.wait_for("the question", lambda m: m["channel"] == SCENARIO)
         self.assertEqual(scenario["type"], "ssv.scenario_t")

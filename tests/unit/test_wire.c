@@ -68,32 +68,45 @@ static lcm_ssv_candidate_t* random_candidates(int32_t* count, uint64_t most) {
     return candidates;
 }
 
+static void random_pose(lcm_ssv_pose_t* pose) {
+    random_doubles(pose->p_m, 3);
+    random_doubles(pose->q, 4);
+}
+
+static void random_asker(lcm_ssv_asker_t* asker) {
+    *asker = (lcm_ssv_asker_t){(int64_t)random_bits(), (int64_t)random_bits(), INT64_MIN, (int64_t)random_bits()};
+}
+
+static void random_answer(lcm_ssv_answer_t* answer) {
+    random_asker(&answer->asker);
+    answer->question_hash = (int64_t)random_bits();
+    answer->planner = (lcm_ssv_planner_t){(int64_t)random_bits(), random_text(), (int8_t)(random_bits() % 3)};
+}
+
 static void random_quote(lcm_ssv_quote_t* quote) {
     quote->candidates = random_candidates(&quote->num_candidates, 16);
     quote->front = random_candidates(&quote->num_front, 24);
-    quote->request_id = (int64_t)random_bits();
-    quote->epoch_us = (int64_t)random_bits();
     quote->scenario_hash = (int64_t)random_bits();
     quote->status = (int8_t)(random_bits() % 4);
     quote->reason = random_text();
     random_doubles(&quote->cost, 1);
     random_doubles(&quote->time_s, 1);
     quote->choice = (lcm_ssv_choice_t){(int8_t)random_bits(), random_double(), random_double(), (int32_t)random_bits()};
-}
-
-static void random_pose(lcm_ssv_pose_t* pose) {
-    random_doubles(pose->p_m, 3);
-    random_doubles(pose->q, 4);
+    random_pose(&quote->X_IS_final);
+    random_pose(&quote->X_IB_final);
 }
 
 static void random_plan(lcm_ssv_plan_t* plan) {
     memset(plan, 0, sizeof *plan);
+    random_answer(&plan->answer);
     random_quote(&plan->quote);
     plan->plan_hash = (int64_t)random_bits();
     plan->num_legs = (int32_t)(random_bits() % 9);
+    plan->num_arcs = (int32_t)(random_bits() % 65);
     plan->num_segments = (int32_t)(random_bits() % 129);
     plan->num_events = (int32_t)(random_bits() % 3);
     plan->legs = calloc((size_t)plan->num_legs + 1, sizeof *plan->legs);
+    plan->arcs = calloc((size_t)plan->num_arcs + 1, sizeof *plan->arcs);
     plan->segments = calloc((size_t)plan->num_segments + 1, sizeof *plan->segments);
     plan->events = calloc((size_t)plan->num_events + 1, sizeof *plan->events);
     for (int i = 0; i < plan->num_legs; i++) {
@@ -103,8 +116,17 @@ static void random_plan(lcm_ssv_plan_t* plan) {
                                .ramp = (int8_t)(random_bits() % 3)};
         random_doubles(&leg->t_start_s, 1);
         random_doubles(&leg->peak_speed, 1);
+        random_doubles(leg->v_S, 3);
+        random_doubles(leg->w_S, 3);
+        leg->first_arc = (int8_t)random_bits();
+        leg->num_arcs = (int8_t)random_bits();
         random_pose(&leg->X_IS_start);
         random_pose(&leg->X_IS_end);
+    }
+    for (int i = 0; i < plan->num_arcs; i++) {
+        random_doubles(&plan->arcs[i].t_s, 1);
+        random_doubles(&plan->arcs[i].v_end, 1);
+        random_doubles(plan->arcs[i].dv_dt, 3);
     }
     for (int i = 0; i < plan->num_segments; i++) {
         random_doubles(plan->segments[i].u_start_N, 6);
@@ -114,8 +136,7 @@ static void random_plan(lcm_ssv_plan_t* plan) {
     for (int i = 0; i < plan->num_events; i++) {
         plan->events[i] = (lcm_ssv_event_t){random_double(), (int8_t)(random_bits() % 2)};
     }
-    random_pose(&plan->X_IS_final);
-    random_pose(&plan->X_IB_final);
+    random_pose(&plan->X_SB);
 }
 
 static void random_body(lcm_ssv_body_t* body) {
@@ -127,8 +148,8 @@ static void random_body(lcm_ssv_body_t* body) {
 
 static void random_scenario(lcm_ssv_scenario_t* scenario) {
     memset(scenario, 0, sizeof *scenario);
-    scenario->request_id = (int64_t)random_bits();
-    scenario->epoch_us = INT64_MIN;
+    random_asker(&scenario->asker);
+    random_doubles(&scenario->thrust_reserve, 1);
     random_body(&scenario->vehicle.body);
     random_body(&scenario->beam.body);
     for (int i = 0; i < 6; i++) {
@@ -346,11 +367,12 @@ static void test_a_plan_at_its_limits_passes_and_one_beyond_any_of_them_does_not
     static const struct {
         size_t at;
         const char* what;
-    } counts[] = {{8, "legs"}, {12, "segments"}, {16, "events"}, {20, "candidates"}, {24, "front"}};
+    } counts[] = {{0, "legs"}, {4, "arcs"}, {8, "segments"}, {12, "events"}, {16, "candidates"}, {20, "front"}};
     lcm_ssv_plan_t plan;
     state = SEED;
     random_plan(&plan);
     const size_t size = (size_t)lcm_ssv_plan_t_encode(bytes, 0, sizeof bytes, &plan);
+    const size_t first = (size_t)lcm_ssv_answer_t_encoded_size(&plan.answer); // the type hash in it is that of plan_t
     TEST_ASSERT_TRUE(wire_is_message("plan_t", bytes, size));
     TEST_ASSERT_FALSE(wire_is_message("quote_batch_t", bytes, size));
     TEST_ASSERT_FALSE(wire_is_message("plan_t", bytes, size + 1));
@@ -362,12 +384,12 @@ static void test_a_plan_at_its_limits_passes_and_one_beyond_any_of_them_does_not
     }
     for (size_t k = 0; k < sizeof counts / sizeof counts[0]; k++) {
         uint8_t kept[4];
-        memcpy(kept, &bytes[counts[k].at], 4);
-        memcpy(&bytes[counts[k].at], (const uint8_t[]){0x7f, 0xff, 0xff, 0xff}, 4);
+        memcpy(kept, &bytes[first + counts[k].at], 4);
+        memcpy(&bytes[first + counts[k].at], (const uint8_t[]){0x7f, 0xff, 0xff, 0xff}, 4);
         TEST_ASSERT_FALSE_MESSAGE(wire_is_message("plan_t", bytes, size), counts[k].what);
-        memset(&bytes[counts[k].at], 0xff, 4);
+        memset(&bytes[first + counts[k].at], 0xff, 4);
         TEST_ASSERT_FALSE_MESSAGE(wire_is_message("plan_t", bytes, size), counts[k].what);
-        memcpy(&bytes[counts[k].at], kept, 4);
+        memcpy(&bytes[first + counts[k].at], kept, 4);
     }
     wire_clear("plan_t", &plan);
 }
@@ -375,7 +397,8 @@ static void test_a_plan_at_its_limits_passes_and_one_beyond_any_of_them_does_not
 static void test_a_list_may_be_as_long_as_its_limit_and_no_longer(void) {
     static uint8_t bytes[1 << 16];
     static lcm_ssv_segment_t segments[129];
-    lcm_ssv_plan_t plan = {.segments = segments, .quote = {.reason = (char[]){""}}};
+    lcm_ssv_plan_t plan = {
+        .answer = {.planner = {.version = (char[]){""}}}, .segments = segments, .quote = {.reason = (char[]){""}}};
     for (int count = 127; count <= 129; count++) {
         plan.num_segments = count;
         const size_t size = (size_t)lcm_ssv_plan_t_encode(bytes, 0, sizeof bytes, &plan);
@@ -385,13 +408,13 @@ static void test_a_list_may_be_as_long_as_its_limit_and_no_longer(void) {
 
 static void test_a_string_must_end_where_it_says(void) {
     uint8_t bytes[1024];
-    lcm_ssv_planner_status_t status = {.version = (char[]){"1.0"}, .scalar = (char[]){"double"}};
+    lcm_ssv_planner_status_t status = {.planner = {.version = (char[]){"1.0"}}};
     const size_t size = (size_t)lcm_ssv_planner_status_t_encode(bytes, 0, sizeof bytes, &status);
     TEST_ASSERT_TRUE(wire_is_message("planner_status_t", bytes, size));
-    bytes[16 + 4 + 3] = 'x'; // the terminator of the version
+    bytes[24 + 4 + 3] = 'x'; // the terminator of the version
     TEST_ASSERT_FALSE(wire_is_message("planner_status_t", bytes, size));
-    bytes[16 + 4 + 3] = '\0';
-    bytes[16 + 3] = 0; // its length
+    bytes[24 + 4 + 3] = '\0';
+    bytes[24 + 3] = 0; // its length
     TEST_ASSERT_FALSE(wire_is_message("planner_status_t", bytes, size));
 }
 

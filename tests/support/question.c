@@ -1,0 +1,40 @@
+// Scenarios of the core as the messages that ask for them, field by field.
+#include "question.h"
+
+#include <string.h>
+
+#include "planner/model/fields.def"
+
+static void vec3_to(double wire[3], vec3_t v) {
+    wire[0] = real_to_double(v.x);
+    wire[1] = real_to_double(v.y);
+    wire[2] = real_to_double(v.z);
+}
+
+static void quat_to(double wire[4], quat_t q) {
+    wire[0] = real_to_double(q.w);
+    wire[1] = real_to_double(q.x);
+    wire[2] = real_to_double(q.y);
+    wire[3] = real_to_double(q.z);
+}
+
+// How a field goes out, by its kind.
+#define TO_REAL(to, from) question.to = real_to_double(scenario->from)
+#define TO_VEC3(to, from) vec3_to(question.to, scenario->from)
+#define TO_UNIT(to, from) vec3_to(question.to, scenario->from)
+#define TO_QUAT(to, from) quat_to(question.to, scenario->from)
+#define TO_INT(to, from) question.to = (int8_t)scenario->from
+#define TO_BOOL(to, from) question.to = (int8_t)scenario->from
+#define TO_ENUM(type) TO_INT
+#define TO_HEIGHT(k) TO_REAL
+#define TO_RING(to, from) TO_REAL(to, from)
+#define TO_ADDED(to, from) TO_REAL(to, from)
+#define TO_FIELD(kind, core, wire, min, max, unit, text) TO_##kind(wire, core);
+
+lcm_ssv_scenario_t question_of(const ssv_scenario_t* scenario) {
+    lcm_ssv_scenario_t question;
+    memset(&question, 0, sizeof question);
+    SSV_FIELDS(TO_FIELD)
+    question.asker = (lcm_ssv_asker_t){.asker_id = 11, .request_id = 12, .epoch_us = 13};
+    return question;
+}
