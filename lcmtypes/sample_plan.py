@@ -24,7 +24,8 @@ def speed(arc, t):
 def distance(arc, t):
     """Distance along the leg at t since the arc's start, by quadrature over pieces in which the speed hardly bends."""
     a, b, c = arc.dv_dt
-    pieces = 4 + int(8 * t * math.sqrt(abs(b * b - 4 * a * c)) + 8 * t * abs(b))
+    bends = math.sqrt(abs(b * b - 4 * a * c)) + max(abs(b + 2 * c * arc.v_start), abs(b + 2 * c * arc.v_end))
+    pieces = 4 + int(8 * t * bends)
     h = t / pieces
     return arc.s + sum(0.5 * h * weight * speed(arc, (k + 0.5 * (1 + node)) * h)
                        for k in range(pieces) for node, weight in NODES)
