@@ -24,7 +24,8 @@ def speed(arc, t):
 def distance(arc, t):
     """Distance along the leg at t since the arc's start, by quadrature over pieces in which the speed hardly bends."""
     a, b, c = arc.dv_dt
-    pieces = 4 + int(8 * t * math.sqrt(abs(b * b - 4 * a * c)) + 8 * t * abs(b))
+    bends = math.sqrt(abs(b * b - 4 * a * c)) + max(abs(b + 2 * c * arc.v_start), abs(b + 2 * c * arc.v_end))
+    pieces = 4 + int(8 * t * bends)
     h = t / pieces
     return arc.s + sum(0.5 * h * weight * speed(arc, (k + 0.5 * (1 + node)) * h)
                        for k in range(pieces) for node, weight in NODES)
@@ -54,7 +55,9 @@ def pose_along(leg, s):
         axis = [x / rate for x in leg.w_S]
         across = cross(axis, p)
         back = cross(axis, across)
-        bend, fall = 2 * math.sin(angle / 2) ** 2 / angle, 1 - math.sin(angle) / angle
+        # Below a thousandth the planner goes by the first term of the series, which is off by less than 1e-10 of p.
+        bend, fall = (angle / 2, angle ** 2 / 6) if angle < 1e-3 else (
+            2 * math.sin(angle / 2) ** 2 / angle, 1 - math.sin(angle) / angle)
         p = [p[i] + bend * across[i] + fall * back[i] for i in range(3)]
         q = [math.cos(angle / 2)] + [math.sin(angle / 2) * x for x in axis]
     start = leg.X_IS_start

@@ -217,7 +217,7 @@ class Answers(DaemonTest):
         daemon.ask(question(2, 60))
         daemon.ask(question(1, 50))  # its epoch is older than 60 by now
         daemon.ask(question(1, 99))  # what is asked decides, not when
-        self.assertGreaterEqual(len(daemon.answers[1]), 4)
+        self.assertGreaterEqual(len(daemon.answers[1]), 3)
         self.assertEqual(len(set(daemon.answers[1])), 1)
         self.assertEqual(daemon.ask(question(3, 60)).quote.status, OK)  # 99 came with a repeated question and did not count
         status = daemon.next_status()
@@ -737,7 +737,7 @@ class Process(DaemonTest):
         said = daemon.said()
         stamp = r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z"
         self.assertRegex(said, rf"(?m)^{stamp} INFO  scenario {123456:016x}: ok, J .* planned in .* ms$")
-        self.assertRegex(said, rf"(?m) INFO  scenario {123457:016x}: invalid: standoff_m: nan is not a finite number$")
+        self.assertRegex(said, rf"(?m) INFO  scenario {123457:016x}: invalid after \S+ ms: standoff_m: nan is not a finite number$")
 
     def test_sigterm_and_sigint_end_it_with_exit_code_0(self):
         for number in (signal.SIGTERM, signal.SIGINT):
