@@ -86,7 +86,6 @@ admission_t questions_admit(questions_t* questions, const question_key_t* key, c
     asker->heard = ++questions->now;
     waiting_t* place = make_room(questions, asker);
     if (place == NULL) return ADMIT_CROWDED;
-    if (key->epoch_us > asker->newest_epoch_us) asker->newest_epoch_us = key->epoch_us;
     place->key = *key;
     place->asker = asker;
     place->arrived = questions->now;
@@ -95,6 +94,11 @@ admission_t questions_admit(questions_t* questions, const question_key_t* key, c
     asker->num_waiting++;
     questions->num_waiting++;
     return ADMIT_NEW;
+}
+
+void questions_note_epoch(waiting_t* question) {
+    asker_t* asker = question->asker;
+    if (question->key.epoch_us > asker->newest_epoch_us) asker->newest_epoch_us = question->key.epoch_us;
 }
 
 bool questions_is_stale(const waiting_t* question) { return question->key.epoch_us < question->asker->newest_epoch_us; }

@@ -80,12 +80,15 @@ typedef struct {
 void questions_init(questions_t* questions, uint8_t* question_arena, size_t question_size_max, uint8_t* answer_arena,
                     size_t answer_size_max);
 
-/// Takes a question that has arrived, `size` bytes of at most question_size_max, which are copied; and notes its epoch.
+/// Takes a question that has arrived, `size` bytes of at most question_size_max, which are copied.
 /// @param[out] answer where ADMIT_ANSWERED.
 admission_t questions_admit(questions_t* questions, const question_key_t* key, const void* bytes, int size,
                             const kept_answer_t** answer);
 
-/// Whether its asker has asked about a newer world since (question->asker->newest_epoch_us).
+/// Notes the epoch of a question that turned out to be a sound one.
+void questions_note_epoch(waiting_t* question);
+
+/// Whether its asker has had a sound question about a newer world (question->asker->newest_epoch_us).
 bool questions_is_stale(const waiting_t* question);
 
 /// The question whose turn it is, NULL if none waits; of those begun alone, if `begun_only`. It stays where it is until

@@ -144,6 +144,7 @@ static bool plan_step(plannerd_t* self, desk_t* desk) {
     if (!done) return false;
     const ssv_status_t outcome = desk->answer.plan.working.status;
     count_answer(&self->status, &self->status.accepted, outcome);
+    if (outcome >= 0) questions_note_epoch(desk->question);
     if (outcome >= 0) note_time(desk->spent_us, &self->status.last_plan_us, &self->status.worst_plan_us);
     return true;
 }
@@ -158,6 +159,7 @@ static bool quotes_step(plannerd_t* self, desk_t* desk) {
     if (answer->scenario_done) {
         const ssv_status_t outcome = answer->working.status;
         count_answer(&self->status, &self->status.quoted, outcome);
+        if (outcome >= 0) questions_note_epoch(desk->question);
         if (outcome >= 0) note_time(desk->scenario_us, &self->status.last_quote_us, &self->status.worst_quote_us);
         desk->scenario_us = 0;
     }
@@ -300,7 +302,7 @@ static bool begin(plannerd_t* self, desk_t* desk, waiting_t* question) {
     question->begun = true;
     (void)kinds[kind].decode(question->bytes, question->size, desk); // it did when it came
     kinds[kind].begin(self, desk, question->key.hash);
-    if (!questions_is_stale(question)) return false;
+    if (question->key.epoch_us < 0 || !questions_is_stale(question)) return false; // what is no epoch is told as such
     char reason[160];
     snprintf(reason, sizeof reason, "asker.epoch_us: %" PRId64 " is older than %" PRId64 ", the newest of this asker",
              question->key.epoch_us, question->asker->newest_epoch_us);

@@ -338,6 +338,9 @@ static void quotes_received(const lcm_recv_buf_t* datagram, const char* channel,
         deal->priced += answer.num_quotes;
         deal->progress_s = now_s();
         batch->is_open = false;
+        for (int k = 0; k < deal->line.num_heard; k++) {
+            if (deal->line.heard[k].batch == i) deal->line.heard[k].batch = -1; // the place may be another's next
+        }
         answer.num_quotes = 0; // what the quotes point to is the caller's now
         if (deal->progress != NULL) deal->progress(deal->priced, deal->count, deal->context);
         break;
@@ -364,13 +367,12 @@ static bool send_batch(deal_t* deal, batch_t* batch, double t_s, char* error, si
 }
 
 /// The planner without a batch that failed least; NULL if there is none.
-static heard_t* idle_planner(deal_t* deal, const heard_t* except, double t_s) {
+static heard_t* idle_planner(deal_t* deal, double t_s) {
     heard_t* best = NULL;
     for (int i = 0; i < deal->line.num_heard; i++) {
         heard_t* planner = &deal->line.heard[i];
-        const bool is_idle = planner->batch < 0 || !deal->batch[planner->batch].is_open;
-        if (is_idle && planner != except && is_wanted(&deal->line, planner->scalar) &&
-            t_s - planner->heard_s <= SILENCE_S && (best == NULL || planner->failures < best->failures)) {
+        if (planner->batch < 0 && is_wanted(&deal->line, planner->scalar) && t_s - planner->heard_s <= SILENCE_S &&
+            (best == NULL || planner->failures < best->failures)) {
             best = planner;
         }
     }
@@ -410,7 +412,7 @@ static bool move_on(deal_t* deal, int number, double t_s, char* error, size_t er
     const double patience_s = PATIENCE_S * (1 << (batch->moves < 10 ? batch->moves : 10));
     const bool is_gone = holder != NULL && t_s - holder->heard_s > SILENCE_S;
     if (holder == NULL || (!is_gone && t_s - batch->dealt_s < patience_s)) return true;
-    heard_t* const next = idle_planner(deal, holder, t_s);
+    heard_t* const next = idle_planner(deal, t_s);
     if (next == NULL) return true;
     holder->failures++;
     holder->batch = -1;
@@ -435,7 +437,7 @@ static double deal_round(deal_t* deal, double start_s, char* error, size_t error
                 (t_s < batch->send_at_s || send_batch(deal, batch, t_s, error, error_size));
         next_s = fmin(next_s, batch->send_at_s);
     }
-    for (heard_t* planner; sound && deal->dealt < deal->count && (planner = idle_planner(deal, NULL, t_s)) != NULL;) {
+    for (heard_t* planner; sound && deal->dealt < deal->count && (planner = idle_planner(deal, t_s)) != NULL;) {
         sound = deal_next(deal, planner, there, t_s, error, error_size);
         open++;
     }

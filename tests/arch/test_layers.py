@@ -13,6 +13,7 @@ CORE_API = tuple(f"firmware/include/ssv/{name}.h"
 TIMELINE_API = "firmware/include/ssv/timeline.h"
 LINK_API = "firmware/include/ssv/link.h"
 ANSWER_API = "firmware/include/ssv/answer.h"
+CHECK_API = "firmware/include/ssv/check.h"
 FIELDS = "firmware/planner/model/fields.def"
 WIRE_API = tuple(f"host/wire/{name}.h" for name in ("message", "names", "tree"))
 
@@ -22,9 +23,9 @@ MAY_INCLUDE = {
     "firmware/planner": {*CORE_API},
     "firmware/link": {TIMELINE_API, LINK_API, "mavlink"},
     "firmware/target": set(),
-    "firmware/daemon": {*CORE_API, ANSWER_API, FIELDS, "lcmtypes", "lcm"},
+    "firmware/daemon": {*CORE_API, ANSWER_API, CHECK_API, FIELDS, "lcmtypes", "lcm"},
     "host/wire": {ANSWER_API, "lcmtypes", "fyaml", "jansson"},
-    "host": {*CORE_API, ANSWER_API, *WIRE_API, "lcmtypes", "lcm", "jansson"},
+    "host": {*CORE_API, ANSWER_API, CHECK_API, *WIRE_API, "lcmtypes", "lcm", "jansson"},
     "sim/physics": set(),
     "sim/replay": {"sim/physics", "jansson"},
 }

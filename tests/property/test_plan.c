@@ -47,8 +47,8 @@ static void test_claimed_poses_meet_the_task(void) {
         const pose_t contact_B = {{0, 0, side * 1.524}, quat_identity()};
         const vec3_t contact_I = pose_mul(plan.quote.X_IB_final, contact_B).p;
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9, 0, vec3_norm(vec3_sub(contact_I, s.p_IP_m)), label);
-        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-9, -side, vec3_dot(quat_apply(plan.quote.X_IB_final.q, vec3(0, 0, 1)), s.axis_I),
-                                          label);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(
+            1e-9, -side, vec3_dot(quat_apply(plan.quote.X_IB_final.q, vec3(0, 0, 1)), s.axis_I), label);
     }
 }
 

@@ -76,7 +76,8 @@ static void no_scalar(void) { answer.wire.answer.planner.scalar = 3; }
 static void no_status(void) { quote()->status = 9; }
 static void refusal_with_a_motion(void) {
     quote()->status = LCM_SSV_QUOTE_T_STATUS_INFEASIBLE;
-    quote()->reason = (char[]){"no"};
+    static char why[] = "no";
+    quote()->reason = why;
 }
 static void refusal_without_a_reason(void) { quote()->status = LCM_SSV_QUOTE_T_STATUS_INVALID; }
 static void another_contact(void) { quote()->choice.contact = 2; }
