@@ -328,12 +328,9 @@ static bool take_turn(plannerd_t* self) {
     desk_t* desk = desk_of(self, NULL);
     waiting_t* question = questions_next(&self->questions, desk == NULL);
     if (question == NULL) return false;
-    bool done = false;
-    if (question->begun) {
-        desk = desk_of(self, question);
-    } else {
-        done = begin(self, desk, question);
-    }
+    if (question->begun) desk = desk_of(self, question);
+    if (desk == NULL) return false; // not so: what is begun has a desk, and without a free one nothing else comes up
+    bool done = !question->begun && begin(self, desk, question);
     const int64_t end_us = now_us() + TURN_US;
     while (!done && now_us() < end_us) done = kinds[question->key.kind].step(self, desk);
     if (done) {

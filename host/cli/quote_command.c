@@ -173,6 +173,9 @@ int quote_command(int argc, char** argv) {
     lcm_ssv_quote_t* const quotes = calloc(most, sizeof *quotes);
     if (tasks == NULL || scenarios == NULL || quotes == NULL || !ask_stamp(&asker, error, sizeof error)) {
         fprintf(stderr, "ssv: %s\n", tasks == NULL || scenarios == NULL || quotes == NULL ? "out of memory" : error);
+        free(tasks);
+        free(scenarios);
+        free(quotes);
         return EXIT_FAILED;
     }
     const int count = read_tasks(&options, &asker, tasks, scenarios);

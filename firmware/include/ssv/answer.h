@@ -79,7 +79,7 @@ void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* 
 
 /// Converts a plan from the wire to what ssv_plan_sample reads: legs, arcs, segments, events, times and poses. It must
 /// have passed ssv_check_plan (ssv/check.h), with status OK.
-void ssv_plan_from_wire(ssv_plan_t* plan, const lcm_ssv_plan_t* message);
+void ssv_plan_from_wire(ssv_plan_t* plan, const lcm_ssv_plan_t* wire);
 
 /// This planner under an id, which an answer's reader knows it by. The text is static.
 lcm_ssv_planner_t ssv_planner_identity(int64_t planner_id);
