@@ -20,6 +20,7 @@ void ssv_vehicle_config_default(ssv_vehicle_config_t* config, uint32_t boot_id) 
                                                .force_max_N = 6,
                                                .start_tolerance_m = 0.05F,
                                                .start_tolerance_rad = 0.05F};
+    config->thrust_max_N = 7.5F;
     config->beat_warn_us = 500000;
     config->beat_stop_us = 1000000;
     config->trim_hold_us = 300000;

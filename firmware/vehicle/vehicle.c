@@ -51,10 +51,10 @@ static bool is_sound(const ssv_vehicle_config_t* config) {
     for (int k = 0; k < SSV_NUM_THRUSTERS; k++) {
         if (!ssv_thrust_is_sound(&config->curve[k])) return false;
     }
-    return config->link.force_max_N > 0 && config->beat_warn_us > 0 && config->beat_stop_us > 0 &&
-           config->trim_hold_us > 0 && config->trim_ramp_us > 0 && config->trim_stop_us > 0 &&
-           config->trim_max_N >= 0 && config->brake_kg_s >= 0 && config->brake_Nm_s >= 0 && config->brake_max_us > 0 &&
-           config->navigation_stale_us > 0;
+    return config->link.force_max_N > 0 && config->thrust_max_N >= config->link.force_max_N &&
+           config->beat_warn_us > 0 && config->beat_stop_us > 0 && config->trim_hold_us > 0 &&
+           config->trim_ramp_us > 0 && config->trim_stop_us > 0 && config->trim_max_N >= 0 && config->brake_kg_s >= 0 &&
+           config->brake_Nm_s >= 0 && config->brake_max_us > 0 && config->navigation_stale_us > 0;
 }
 
 bool ssv_vehicle_init(ssv_controller_t* vehicle, const ssv_vehicle_config_t* config) {
@@ -258,8 +258,8 @@ static bool brake(const ssv_controller_t* vehicle, int64_t now_us, float u_N[SSV
         const float size_N = u_N[k] < 0 ? -u_N[k] : u_N[k];
         if (size_N > largest_N) largest_N = size_N;
     }
-    if (largest_N > config->link.force_max_N) {
-        for (int k = 0; k < SSV_NUM_THRUSTERS; k++) u_N[k] *= config->link.force_max_N / largest_N;
+    if (largest_N > config->thrust_max_N) {
+        for (int k = 0; k < SSV_NUM_THRUSTERS; k++) u_N[k] *= config->thrust_max_N / largest_N;
     }
     return true;
 }
@@ -274,12 +274,13 @@ static void add_trim(const ssv_controller_t* vehicle, int64_t now_us, float u_N[
 
 static void execute(ssv_controller_t* vehicle, int64_t now_us, float u_N[SSV_NUM_THRUSTERS],
                     ssv_vehicle_output_t* output) {
+    const ssv_vehicle_config_t* config = vehicle->config;
     ssv_execution_t* execution = &vehicle->execution;
-    ssv_execution_advance(execution, u_N);
+    ssv_execution_advance(execution, config->thrust_max_N, config->thrust_max_N - config->link.force_max_N, u_N);
     vehicle->state.plan_time_ns = execution->plan_time_ns;
     vehicle->state.segment = execution->segment;
     if (ssv_execution_is_at_event(execution)) {
-        if (!vehicle->awaits && !vehicle->attempts && vehicle->config->holds_at_events) {
+        if (!vehicle->awaits && !vehicle->attempts && config->holds_at_events) {
             hold(vehicle, now_us, SSV_LINK_NO_REASON);
         } else if (!vehicle->awaits) {
             vehicle->attempts = false;
@@ -332,7 +333,7 @@ void ssv_vehicle_tick(ssv_controller_t* vehicle, int64_t now_us, ssv_vehicle_out
             output->effort[k] = no_number();
         else if (thrusts)
             output->effort[k] =
-                ssv_thrust_effort(&vehicle->config->curve[k], vehicle->force_scale, vehicle->config->link.force_max_N,
+                ssv_thrust_effort(&vehicle->config->curve[k], vehicle->force_scale, vehicle->config->thrust_max_N,
                                   u_N[k], &vehicle->carried_N[k], &output->u_N[k]);
         vehicle->state.u_N[k] = output->u_N[k];
     }

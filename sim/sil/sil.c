@@ -5,6 +5,8 @@
 
 // Efforts this much above the dead band's edge give thrust: a float's worth.
 #define EDGE_RATIO (1 + 1e-6)
+// What the thrusters have above what plans ask for.
+#define THRUST_RATIO 1.25
 
 // One direction of the simulator's curve, from the dead band's edge on.
 static void invert(const sim_thruster_config_t* thrusters, double sign, ssv_thrust_branch_t* branch) {
@@ -28,7 +30,7 @@ static void invert(const sim_thruster_config_t* thrusters, double sign, ssv_thru
 }
 
 // Without a curve commands are newtons: the dead band is then one of newtons, too.
-static void set_curves(ssv_vehicle_config_t* config, const sim_thruster_config_t* thrusters, double force_max_N) {
+static void set_curves(ssv_vehicle_config_t* config, const sim_thruster_config_t* thrusters, double thrust_max_N) {
     for (int t = 0; t < SIM_THRUSTERS; t++) {
         ssv_thrust_branch_t* branch[2] = {&config->curve[t].forward, &config->curve[t].reverse};
         for (int b = 0; b < 2; b++) {
@@ -37,10 +39,10 @@ static void set_curves(ssv_vehicle_config_t* config, const sim_thruster_config_t
             } else if (thrusters->dead_band > 0) {
                 const double edge_N = thrusters->dead_band * EDGE_RATIO;
                 branch[b]->num_points = 2;
-                branch[b]->effort[0] = (float)(edge_N / force_max_N);
+                branch[b]->effort[0] = (float)(edge_N / thrust_max_N);
                 branch[b]->effort[1] = 1;
                 branch[b]->force_N[0] = (float)edge_N;
-                branch[b]->force_N[1] = (float)force_max_N;
+                branch[b]->force_N[1] = (float)thrust_max_N;
             }
         }
     }
@@ -88,8 +90,9 @@ const char* sil_init(sil_t* sil, const sil_config_t* config, uint64_t seed) {
     sil->port = config->port;
     ssv_vehicle_config_default(&sil->config, config->boot_id);
     sil->config.link.force_max_N = (float)config->force_max_N;
+    sil->config.thrust_max_N = (float)(THRUST_RATIO * config->force_max_N);
     sil->config.holds_at_events = config->holds_at_events;
-    set_curves(&sil->config, &config->world.thrusters, config->force_max_N);
+    set_curves(&sil->config, &config->world.thrusters, (double)sil->config.thrust_max_N);
     if (!set_allocation(&sil->config, config->world.thruster)) return "thruster: together they must give every wrench";
     if (!ssv_vehicle_init(&sil->vehicle, &sil->config)) return "thrusters: the curve has no inverse";
     const sim_curve_t* curve = &config->world.thrusters.curve;
@@ -119,7 +122,7 @@ void sil_step(sil_t* sil) {
     double command[SIM_THRUSTERS];
     navigate(sil);
     ssv_vehicle_tick(&sil->vehicle, sil->now_us, &sil->output);
-    const double scale = sil->world.config.thrusters.curve.num_points > 0 ? 1 : (double)sil->config.link.force_max_N;
+    const double scale = sil->world.config.thrusters.curve.num_points > 0 ? 1 : (double)sil->config.thrust_max_N;
     for (int t = 0; t < SIM_THRUSTERS; t++)
         command[t] = sil->output.is_armed ? scale * (double)sil->output.effort[t] : 0;
     sim_world_step(&sil->world, command, SIL_TICK_S);

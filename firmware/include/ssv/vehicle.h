@@ -22,7 +22,7 @@ extern "C" {
 #define SSV_THRUST_MAX_POINTS 12
 
 /// One direction of a thruster at the nominal supply: straight lines between the points. The first point is the edge of
-/// the dead band: a smaller effort than its own gives nothing. Without points the force is force_max_N times the
+/// the dead band: a smaller effort than its own gives nothing. Without points the force is thrust_max_N times the
 /// effort.
 typedef struct {
     int32_t num_points;                   ///< 0, or 2 to SSV_THRUST_MAX_POINTS
@@ -36,7 +36,9 @@ typedef struct {
 
 /// Constant, and outlives the vehicle: it may stand in flash.
 typedef struct {
-    ssv_link_vehicle_config_t link; ///< its force_max_N is the most that any thruster is asked for
+    ssv_link_vehicle_config_t link;
+    float thrust_max_N; ///< [N] the most that any thruster is asked for; a quarter above link.force_max_N, the most
+                        ///< that a timeline may have, there is room for all that a tick has to correct
     ssv_thrust_curve_t curve[SSV_NUM_THRUSTERS];
 
     int64_t beat_warn_us, beat_stop_us; ///< [us] without progress of the planner until it warns, until it stops
@@ -72,6 +74,8 @@ typedef struct {
     int32_t num_events, next_event;
     ssv_timeline_event_t event[SSV_MAX_EVENTS];
     int64_t in_segment_ns, plan_time_ns; ///< [ns] since the start of the segment, of the timeline
+    float put_off_N[SSV_NUM_THRUSTERS];  ///< [N] what the next tick gives for the last one
+    float moment_N[SSV_NUM_THRUSTERS];   ///< [N] over a tick squared: how late the thrusts so far should have acted
 } ssv_execution_t;
 
 /// Whose beats count, and when they last did. Private to the vehicle.
