@@ -122,9 +122,9 @@ void sil_step(sil_t* sil) {
     double command[SIM_THRUSTERS];
     navigate(sil);
     ssv_vehicle_tick(&sil->vehicle, sil->now_us, &sil->output);
-    const double scale = sil->world.config.thrusters.curve.num_points > 0 ? 1 : (double)sil->config.thrust_max_N;
-    for (int t = 0; t < SIM_THRUSTERS; t++)
-        command[t] = sil->output.is_armed ? scale * (double)sil->output.effort[t] : 0;
+    // Ideal thrusters take newtons, as they are: the rounding of an effort alone would turn an unstable pair.
+    const float* command_of = sil->world.config.thrusters.curve.num_points > 0 ? sil->output.effort : sil->output.u_N;
+    for (int t = 0; t < SIM_THRUSTERS; t++) command[t] = sil->output.is_armed ? (double)command_of[t] : 0;
     sim_world_step(&sil->world, command, SIL_TICK_S);
     sil->now_us += SSV_VEHICLE_TICK_US;
     if (!sil->output.attempts) return;
