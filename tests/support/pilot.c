@@ -29,7 +29,10 @@ static void take(pilot_t* pilot, const ssv_link_planner_event_t* event) {
         memcpy(pilot->warning, event->of.text.text, sizeof pilot->warning);
     if (event->kind == SSV_LINK_PLANNER_ANSWERED) {
         done = event->of.answer.result == SSV_LINK_ACCEPTED;
-        if (!done) pilot->has_failed = true;
+        if (!done) {
+            pilot->has_failed = true;
+            pilot->refusal = event->of.answer.reason;
+        }
     }
     if (!done) return;
     if (pilot->num_done < 3)

@@ -15,6 +15,7 @@ typedef struct {
     bool is_cut;                         ///< nothing passes between the ends
     bool is_frozen;                      ///< beats go on, the progress they tell does not
     bool has_failed;                     ///< an answer was not SSV_LINK_ACCEPTED, or the upload failed
+    ssv_link_reason_t refusal;           ///< of the last command that was refused
     int num_done;                        ///< of the steps: upload, commit, arm, start
     ssv_link_execution_t execution;      ///< as the vehicle told it last
     char warning[SSV_LINK_TEXT_MAX + 1]; ///< its last text of SSV_LINK_WARNING or worse
