@@ -124,10 +124,10 @@ static void run(port_t* port, const options_t* options) {
         if (got > 0) ssv_vehicle_receive(&vehicle, now_us, bytes, got);
         if (now_us >= due_us) { // a tick that is late is made up for at once
             ssv_vehicle_output_t output;
-            ssv_vehicle_navigate(&vehicle, due_us, &options->pose);
-            ssv_vehicle_tick(&vehicle, due_us, &output);
-            print(due_us, &output, options->print_s);
-            if (output.attempts) ssv_vehicle_attempted(&vehicle, due_us, true);
+            ssv_vehicle_navigate(&vehicle, now_us, &options->pose);
+            ssv_vehicle_tick(&vehicle, now_us, &output);
+            print(now_us, &output, options->print_s);
+            if (output.attempts) ssv_vehicle_attempted(&vehicle, now_us, true);
             due_us += SSV_VEHICLE_TICK_US;
         }
         for (size_t length; (length = ssv_vehicle_poll(&vehicle, now_us, frame)) > 0;) port_write(port, frame, length);
@@ -145,7 +145,7 @@ int main(int argc, char** argv) {
         fprintf(stderr, "ssv-vehicle: %s\n", error);
         return EXIT_PORT;
     }
-    ssv_vehicle_config_default(&config, (uint32_t)time(NULL) ^ (uint32_t)getpid() << 16 | 1);
+    ssv_vehicle_config_default(&config, ((uint32_t)time(NULL) ^ ((uint32_t)getpid() << 16)) | 1);
     if (!ssv_vehicle_init(&vehicle, &config)) return EXIT_FAILURE;
     const struct sigaction action = {.sa_handler = end};
     sigaction(SIGINT, &action, NULL);
