@@ -199,7 +199,7 @@ static int set_up(sil_t* sil, const options_t* options) {
         fprintf(stderr, "ssv-sim: %s\n", error);
         return EXIT_INPUT;
     }
-    config.boot_id = (uint32_t)options->seed | 1;
+    config.boot_id = 2 * (uint32_t)options->seed + 1; // the same seed is the same boot
     const char* fault = sil_init(sil, &config, options->seed);
     if (fault == NULL) return 0;
     fprintf(stderr, "ssv-sim: %s: %s\n", options->conditions == NULL ? options->plan : options->conditions, fault);
