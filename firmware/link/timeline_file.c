@@ -53,19 +53,24 @@ void ssv_timeline_read_segment(const uint8_t* file, int32_t index, ssv_timeline_
     }
 }
 
+int32_t ssv_timeline_read_events(const uint8_t* file, int32_t* num_segments,
+                                 ssv_timeline_event_t event[SSV_MAX_EVENTS]) {
+    for (int i = 0; i < SSV_MAX_EVENTS; i++) {
+        const uint8_t* at = file + AT_EVENTS + EVENT_BYTES * i;
+        event[i].segment = ssv_get_u16(at);
+        event[i].kind = at[2] == SSV_DOCK ? SSV_DOCK : SSV_MATE;
+    }
+    *num_segments = ssv_get_u16(file + AT_NUM_SEGMENTS);
+    return file[AT_NUM_EVENTS];
+}
+
 void ssv_timeline_read_header(const uint8_t* file, ssv_timeline_t* timeline, ssv_timeline_stamp_t* stamp) {
     timeline->plan_hash = ssv_get_u64(file + AT_PLAN_HASH);
     timeline->mass_configuration = ssv_get_u32(file + AT_MASS_CONFIGURATION);
     timeline->u_max_N = ssv_get_f32(file + AT_U_MAX);
     for (int i = 0; i < 3; i++) timeline->p_IS_m[i] = ssv_get_f32(file + AT_P_IS + 4 * i);
     for (int i = 0; i < 4; i++) timeline->q_IS[i] = ssv_get_f32(file + AT_Q_IS + 4 * i);
-    timeline->num_segments = ssv_get_u16(file + AT_NUM_SEGMENTS);
-    timeline->num_events = file[AT_NUM_EVENTS];
-    for (int i = 0; i < SSV_MAX_EVENTS; i++) {
-        const uint8_t* at = file + AT_EVENTS + EVENT_BYTES * i;
-        timeline->event[i].segment = ssv_get_u16(at);
-        timeline->event[i].kind = at[2] == SSV_DOCK ? SSV_DOCK : SSV_MATE;
-    }
+    timeline->num_events = ssv_timeline_read_events(file, &timeline->num_segments, timeline->event);
     if (stamp != NULL) {
         stamp->epoch_us = ssv_get_i64(file + AT_EPOCH);
         stamp->valid_for_ms = ssv_get_u32(file + AT_VALID_FOR);

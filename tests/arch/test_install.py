@@ -42,7 +42,7 @@ class Install(unittest.TestCase):
     def test_installed_programs_start_and_do_not_lean_on_the_build_folder(self):
         programs = sorted(path.name for path in (self.prefix / "bin").iterdir())
         self.assertEqual(programs, ["ssv", "ssv-fixed", "ssv-float", "ssv-plannerd", "ssv-plannerd-fixed", "ssv-plannerd-float",
-                                    "ssv-replay"])
+                                    "ssv-replay", "ssv-sim", "ssv-vehicle"])
         for program in programs:
             with self.subTest(program=program):
                 self.assertTrue(run([self.prefix / "bin" / program, "--version"], env=CLEAN).strip())

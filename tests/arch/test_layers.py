@@ -12,6 +12,7 @@ CORE_API = tuple(f"firmware/include/ssv/{name}.h"
                  for name in ("planner", "plan", "scenario", "timeline", "vec3", "real", "real_double", "real_float", "real_fixed"))
 TIMELINE_API = "firmware/include/ssv/timeline.h"
 LINK_API = "firmware/include/ssv/link.h"
+VEHICLE_API = "firmware/include/ssv/vehicle.h"
 ANSWER_API = "firmware/include/ssv/answer.h"
 CHECK_API = "firmware/include/ssv/check.h"
 FIELDS = "firmware/planner/model/fields.def"
@@ -22,12 +23,15 @@ MAY_INCLUDE = {
     "firmware/include/ssv": {*CORE_API, "lcmtypes"},
     "firmware/planner": {*CORE_API},
     "firmware/link": {TIMELINE_API, LINK_API, "mavlink"},
+    "firmware/vehicle": {TIMELINE_API, LINK_API, VEHICLE_API},
+    "firmware/bench": {TIMELINE_API, LINK_API, VEHICLE_API},
     "firmware/target": set(),
     "firmware/daemon": {*CORE_API, ANSWER_API, CHECK_API, FIELDS, "lcmtypes", "lcm"},
     "host/wire": {ANSWER_API, "lcmtypes", "fyaml", "jansson"},
     "host": {*CORE_API, ANSWER_API, CHECK_API, *WIRE_API, "lcmtypes", "lcm", "jansson"},
     "sim/physics": set(),
     "sim/replay": {"sim/physics", "jansson"},
+    "sim/sil": {"sim/physics", "sim/replay", TIMELINE_API, LINK_API, VEHICLE_API, "firmware/bench", "host/wire/tree.h"},
 }
 # Single files that may include more than their folder: what reads plans knows the message types.
 FILE_MAY_INCLUDE = {"sim/replay/plan_file.c": {"lcmtypes", *WIRE_API}}
@@ -53,7 +57,9 @@ NOT_IN_CORE = {
 }
 
 
-NOT_IN_LINK = ("heap", "input or output", "operating system", "libm past real.h")
+# What runs on the vehicle's own controller.
+ON_TARGET = {"firmware/link": "link", "firmware/vehicle": "vehicle"}
+NOT_ON_TARGET = ("heap", "input or output", "operating system", "libm past real.h")
 
 
 def folder_of(path):
@@ -94,8 +100,8 @@ def include_breaches(root, path, text, modules):
                 yield f'"{name}" is in no folder that may be included'
             elif folder == "firmware/planner" and name not in CORE_SYSTEM_HEADERS:
                 yield f"<{name}> is not for the core"
-            elif folder == "firmware/link" and name not in LINK_SYSTEM_HEADERS:
-                yield f"<{name}> is not for the link"
+            elif folder in ON_TARGET and name not in LINK_SYSTEM_HEADERS:
+                yield f"<{name}> is not for the {ON_TARGET[folder]}"
             elif name == "math.h" and folder == "firmware/include/ssv" and not re.search(r"/real_(double|float)\.h$", path):
                 yield "<math.h> is for the scalars alone"
             continue
@@ -107,6 +113,8 @@ def include_breaches(root, path, text, modules):
             yield f"the generated code is for {MAVLINK_USER} alone"
         if path == LINK_API and target != TIMELINE_API:
             yield "the link stands on the timeline alone"
+        if path == VEHICLE_API and target != LINK_API:
+            yield "the vehicle stands on the link alone"
         if path in CORE_API and target not in CORE_API:
             yield f"the core's headers stand by themselves, without {target}"
         if module_of(target) != module_of(path):
@@ -137,8 +145,8 @@ def breaches(root):
         found += [f"{path}: {breach}" for breach in include_breaches(root, path, text, modules)]
         if folder_of(path) == "firmware/planner":
             found += [f"{path}: {breach}" for breach in word_breaches(text, "core", NOT_IN_CORE)]
-        if folder_of(path) == "firmware/link":
-            found += [f"{path}: {breach}" for breach in word_breaches(text, "link", NOT_IN_LINK)]
+        if folder_of(path) in ON_TARGET:
+            found += [f"{path}: {breach}" for breach in word_breaches(text, ON_TARGET[folder_of(path)], NOT_ON_TARGET)]
     return found + [f"{module}: includes itself through other modules" for module in in_a_cycle(modules)]
 
 
@@ -182,6 +190,24 @@ class Layers(unittest.TestCase):
             ("firmware/link/planner.c", "long f(void) { return time(0); }"): "operating system in the link",
             ("firmware/include/ssv/link.h", '#include "ssv/scenario.h"'): "stands on the timeline alone",
             ("firmware/include/ssv/link.h", '#include "ssv/mavlink.h"'): "is for firmware/link/wire.c alone",
+            ("firmware/vehicle/vehicle.c", '#include "ssv/plan.h"'): "must not include firmware/include/ssv/plan.h",
+            ("firmware/vehicle/vehicle.c", '#include "link/bytes.h"'): "must not include firmware/link/bytes.h",
+            ("firmware/vehicle/vehicle.c", '#include "lcm_ssv_plan_t.h"'): "must not include lcmtypes",
+            ("firmware/vehicle/vehicle.c", '#include "ssv/mavlink.h"'): "must not include mavlink",
+            ("firmware/vehicle/vehicle.c", '#include "physics/world.h"'): "must not include sim/physics/world.h",
+            ("firmware/vehicle/thrust.c", "#include <math.h>"): "is not for the vehicle",
+            ("firmware/vehicle/thrust.c", "#include <time.h>"): "is not for the vehicle",
+            ("firmware/vehicle/thrust.c", "void* p = malloc(3);"): "heap in the vehicle",
+            ("firmware/vehicle/thrust.c", "float f(float x) { return sqrtf(x); }"): "libm past real.h in the vehicle",
+            ("firmware/include/ssv/vehicle.h", '#include "ssv/timeline.h"'): "stands on the link alone",
+            ("firmware/link/vehicle.c", '#include "ssv/vehicle.h"'): "must not include firmware/include/ssv/vehicle.h",
+            ("firmware/bench/planted.c", '#include "vehicle/thrust.h"'): "must not include firmware/vehicle/thrust.h",
+            ("firmware/bench/planted.c", '#include "physics/world.h"'): "must not include sim/physics/world.h",
+            ("sim/sil/planted.c", '#include "ssv/planner.h"'): "must not include firmware/include/ssv/planner.h",
+            ("sim/sil/planted.c", '#include "vehicle/thrust.h"'): "must not include firmware/vehicle/thrust.h",
+            ("sim/sil/planted.c", '#include "lcm_ssv_plan_t.h"'): "must not include lcmtypes",
+            ("sim/physics/planted.c", '#include "sil/sil.h"'): "must not include sim/sil/sil.h",
+            ("sim/physics/planted.c", '#include "ssv/vehicle.h"'): "must not include firmware/include/ssv/vehicle.h",
             ("firmware/planner/motion/maneuver.c", '#include "link/wire.h"'): "must not include firmware/link/wire.h",
             ("firmware/planner/motion/maneuver.c", '#include "ssv/mavlink.h"'): "must not include mavlink",
             ("firmware/daemon/answer.c", '#include "planner/motion/maneuver.h"'): "must not include firmware/planner/motion/maneuver.h",

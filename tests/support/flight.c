@@ -27,7 +27,7 @@ static rb_body_t body_of(const ssv_body_t* body) {
     return r;
 }
 
-void flight_of_plan(const ssv_problem_t* problem, const ssv_plan_t* plan, double step_s, replay_flight_t* flight) {
+plan_file_t file_of_plan(const ssv_problem_t* problem, const ssv_plan_t* plan) {
     const ssv_scenario_t* s = &problem->scenario;
     static plan_segment_t segment[SSV_MAX_SEGMENTS];
     plan_file_t file;
@@ -59,5 +59,10 @@ void flight_of_plan(const ssv_problem_t* problem, const ssv_plan_t* plan, double
         }
         if (plan->leg[plan->segment[k].leg].phase == SSV_TRANSIT) file.num_transit_segments++;
     }
+    return file;
+}
+
+void flight_of_plan(const ssv_problem_t* problem, const ssv_plan_t* plan, double step_s, replay_flight_t* flight) {
+    const plan_file_t file = file_of_plan(problem, plan);
     replay_fly(&file, step_s, flight);
 }

@@ -139,6 +139,10 @@ ssv_timeline_fault_t ssv_timeline_decode(const uint8_t* file, size_t length, ssv
 /// reads that keeps the file and no second copy.
 void ssv_timeline_read_segment(const uint8_t* file, int32_t index, ssv_timeline_segment_t* segment);
 
+/// The events of such a file, in order, for a controller that has no room for a whole timeline. Returns how many.
+int32_t ssv_timeline_read_events(const uint8_t* file, int32_t* num_segments,
+                                 ssv_timeline_event_t event[SSV_MAX_EVENTS]);
+
 /// All of such a file but its segments, which stay untouched. `stamp` may be null.
 void ssv_timeline_read_header(const uint8_t* file, ssv_timeline_t* timeline, ssv_timeline_stamp_t* stamp);
 
