@@ -88,8 +88,8 @@ static real_t rate_for(real_t lag, real_t limit) {
 #define STANDS_M_S REAL(1e-3)
 #define STANDS_RAD_S REAL(1e-3)
 
-static real_t clock_rate(const ssv_guidance_t* guidance, const ssv_reference_t* reference,
-                         const ssv_law_error_t* error) {
+static real_t rate_of_clock(const ssv_guidance_t* guidance, const ssv_reference_t* reference,
+                            const ssv_law_error_t* error) {
     const vec3_t v_I = quat_apply(
         reference->X_IS.q, vec3_add(reference->v_S_m_s, vec3_cross(reference->w_S_rad_s, guidance->body.p_SC_m)));
     const real_t moving = lag(error->position_I_m, v_I, STANDS_M_S);
@@ -170,7 +170,7 @@ void ssv_guidance_step(ssv_guidance_t* guidance, real_t dt_s, ssv_guidance_comma
     ssv_reference_t reference = flying ? reference_of_plan(guidance, dt_s) : reference_at_place(guidance);
     ssv_law_error_t error = ssv_law_error(guidance, &reference);
     const ssv_reference_t of_plan = reference;
-    const real_t rate = flying ? clock_rate(guidance, &reference, &error) : REAL(0);
+    const real_t rate = flying ? rate_of_clock(guidance, &reference, &error) : REAL(0);
     if (flying) {
         slow_down(&reference, rate);
         error = ssv_law_error(guidance, &reference);

@@ -11,7 +11,7 @@
 #define OBSERVER_POSITION_RAD_S REAL(0.7)
 #define OBSERVER_ATTITUDE_RAD_S REAL(0.7)
 #define OBSERVER_HOLD_POSITION_RAD_S REAL(0.7)
-#define OBSERVER_HOLD_ATTITUDE_RAD_S REAL(0.35)
+#define OBSERVER_HOLD_ATTITUDE_RAD_S REAL(0.6)
 // Time [s] over which the observer goes from the one to the other.
 #define OBSERVER_SETTLE_S REAL(15)
 // Longest interval [s] that one measurement stands for: after a drop-out it does not count for more.
@@ -19,7 +19,7 @@
 
 // Law: poles [rad/s] of the position and the attitude error.
 #define LAW_POSITION_RAD_S REAL(0.3)
-#define LAW_ATTITUDE_RAD_S REAL(0.8)
+#define LAW_ATTITUDE_RAD_S REAL(1)
 
 // Clock: stands still at such a lag along the path or about the turning axis, runs freely below a fifth of it.
 #define CLOCK_LAG_M REAL(0.05)
