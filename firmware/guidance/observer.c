@@ -153,7 +153,7 @@ void ssv_observer_predict(ssv_guidance_t* guidance, real_t dt_s) {
     guidance->newest = (guidance->newest + 1) % SSV_GUIDANCE_HISTORY;
     guidance->history[guidance->newest] = x->X_IS;
     guidance->history_age_s[guidance->newest] = REAL(0);
-    guidance->since_measured_s += dt_s;
+    guidance->measured_age_s += dt_s;
 }
 
 typedef struct {
@@ -174,25 +174,38 @@ static gains_t gains(real_t bandwidth, real_t drag) {
 
 static real_t blend(real_t share, real_t from, real_t to) { return from + real_mul(share, to - from); }
 
-void ssv_guidance_measure(ssv_guidance_t* guidance, real_t age_s, pose_t X_IS) {
-    ssv_estimate_t* x = &guidance->estimate;
-    const ssv_guidance_body_t* body = &guidance->body;
+// The estimate of the moment age_s ago: that of the nearest step, gone on with the twist of now.
+static pose_t estimate_then(const ssv_guidance_t* guidance, real_t age_s) {
+    const ssv_estimate_t* x = &guidance->estimate;
     int k = guidance->newest;
     for (int n = 1; n < SSV_GUIDANCE_HISTORY; n++) {
         const int older = (guidance->newest + SSV_GUIDANCE_HISTORY - n) % SSV_GUIDANCE_HISTORY;
         if (real_abs(guidance->history_age_s[older] - age_s) < real_abs(guidance->history_age_s[k] - age_s)) k = older;
     }
-    const real_t T = real_min(guidance->since_measured_s, OBSERVER_INTERVAL_MAX_S);
-    guidance->since_measured_s = REAL(0);
+    const real_t on_s = guidance->history_age_s[k] - age_s;
+    const pose_t nearest = guidance->history[k];
+    return (pose_t){vec3_add(nearest.p, vec3_scale(on_s, quat_apply(nearest.q, x->v_S_m_s))),
+                    turned(nearest.q, vec3_scale(on_s, x->w_S_rad_s))};
+}
+
+void ssv_guidance_measure(ssv_guidance_t* guidance, real_t age_s, pose_t X_IS) {
+    ssv_estimate_t* x = &guidance->estimate;
+    const ssv_guidance_body_t* body = &guidance->body;
+    if (age_s < REAL(0) ||
+        age_s > guidance->history_age_s[(guidance->newest + 1) % SSV_GUIDANCE_HISTORY] + OBSERVER_INTERVAL_MAX_S)
+        return;
+    const pose_t then = estimate_then(guidance, age_s);
+    const real_t T = real_max(REAL(0), real_min(guidance->measured_age_s - age_s, OBSERVER_INTERVAL_MAX_S));
+    guidance->measured_age_s = age_s;
     const real_t held = real_min(real_div(guidance->held_s, OBSERVER_SETTLE_S), REAL(1));
     const gains_t move = gains(blend(held, OBSERVER_POSITION_RAD_S, OBSERVER_HOLD_POSITION_RAD_S),
                                real_div(body->drag_kg_s, body->mass_kg));
     const gains_t turn = gains(blend(held, OBSERVER_ATTITUDE_RAD_S, OBSERVER_HOLD_ATTITUDE_RAD_S),
                                real_div(body->drag_Nm_s, body->inertia_kg_m2));
     // What was wrong then is wrong now.
-    const vec3_t off_I = vec3_scale(T, vec3_sub(X_IS.p, guidance->history[k].p));
+    const vec3_t off_I = vec3_scale(T, vec3_sub(X_IS.p, then.p));
     const vec3_t off_S = quat_apply(quat_conj(x->X_IS.q), off_I);
-    const vec3_t turn_S = vec3_scale(T, ssv_observer_rotation(quat_mul(quat_conj(guidance->history[k].q), X_IS.q)));
+    const vec3_t turn_S = vec3_scale(T, ssv_observer_rotation(quat_mul(quat_conj(then.q), X_IS.q)));
     const vec3_t r = body->p_SC_m;
     // A correction of the rate turns about C, which keeps its velocity.
     const vec3_t w = vec3_scale(turn.twist, turn_S);

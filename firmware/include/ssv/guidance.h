@@ -98,7 +98,7 @@ typedef struct {
     pose_t history[SSV_GUIDANCE_HISTORY]; ///< estimates at the ends of the last steps, as a ring
     real_t history_age_s[SSV_GUIDANCE_HISTORY];
     int newest;
-    real_t since_measured_s; ///< between the moments of the last two measurements
+    real_t measured_age_s; ///< of the moment that the last measurement was of
     ssv_guidance_state_t state;
     ssv_attempt_t attempt;
     real_t plan_time_s, in_state_s, inside_s, held_s;
