@@ -42,10 +42,27 @@ static vec3_t way_out_I(const ssv_guidance_t* guidance, pose_t X_IS) {
     return quat_apply(X_IS.q, vec3(REAL(-1), REAL(0), REAL(0)));
 }
 
+// Mean of the timeline from t_s on for span_s: a thrust that jumps within a step would be off by as much as it jumps,
+// and a pair with a long lever remembers that.
+static void mean_thrust(const ssv_plan_t* plan, real_t t_s, real_t span_s, real_t u_N[SSV_NUM_THRUSTERS]) {
+    for (int k = 0; k < plan->num_segments; k++) {
+        const ssv_segment_t* segment = &plan->segment[k];
+        const real_t from = real_max(t_s, segment->t_s) - segment->t_s;
+        const real_t to = real_min(t_s + span_s, segment->t_s + segment->duration_s) - segment->t_s;
+        if (to <= from) continue;
+        const real_t share = real_div(to - from, span_s);
+        const real_t along = real_div(real_mul(REAL(0.5), from + to), segment->duration_s);
+        for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+            const real_t middle = segment->u_start_N[i] + real_mul(along, segment->u_end_N[i] - segment->u_start_N[i]);
+            u_N[i] += real_mul(share, middle);
+        }
+    }
+}
+
 // The plan's motion, for the vehicle that carries the beam as it was taken hold of and not as planned.
 static ssv_reference_t reference_of_plan(const ssv_guidance_t* guidance, real_t dt_s) {
     const ssv_plan_t* plan = guidance->plan;
-    ssv_sample_t now, middle;
+    ssv_sample_t now;
     ssv_plan_sample(plan, guidance->plan_time_s, &now);
     ssv_reference_t reference = {now.X_IS, now.v_IS_S_m_s, now.w_IS_S_rad_s, {REAL(0)}};
     if (guidance->mated) {
@@ -55,10 +72,11 @@ static ssv_reference_t reference_of_plan(const ssv_guidance_t* guidance, real_t 
         reference.v_S_m_s = quat_apply(back, vec3_add(now.v_IS_S_m_s, vec3_cross(now.w_IS_S_rad_s, X.p)));
         reference.w_S_rad_s = quat_apply(back, now.w_IS_S_rad_s);
     }
-    const real_t t = guidance->plan_time_s + real_mul(REAL(0.5), dt_s);
-    if (t < end_of_phase_s(guidance)) {
-        ssv_plan_sample(plan, t, &middle);
-        for (int i = 0; i < SSV_NUM_THRUSTERS; i++) reference.u_N[i] = middle.u_N[i];
+    // Up to the end of the phase: what comes then is another body's.
+    const real_t span_s = real_min(dt_s, end_of_phase_s(guidance) - guidance->plan_time_s);
+    if (span_s > REAL(0)) mean_thrust(plan, guidance->plan_time_s, span_s, reference.u_N);
+    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+        reference.u_N[i] = real_mul(real_div(real_max(span_s, REAL(0)), dt_s), reference.u_N[i]);
     }
     return reference;
 }
