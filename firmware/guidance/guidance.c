@@ -152,8 +152,11 @@ static void fill_in_tip(const ssv_guidance_t* guidance, ssv_guidance_error_t* ou
 }
 
 static void dwell(ssv_guidance_t* guidance, real_t dt_s, const ssv_guidance_error_t* error) {
-    const bool inside = error->tip_m < DWELL_TIP_M && error->tip_angle_rad < DWELL_ANGLE_RAD &&
-                        error->tip_speed_m_s < DWELL_SPEED_M_S && guidance->in_state_s >= DWELL_LEAST_S;
+    const real_t waited = real_min(real_div(guidance->in_state_s, DWELL_LOOSEN_S), REAL(1));
+    const real_t share = DWELL_TIGHT + real_mul(waited, REAL(1) - DWELL_TIGHT);
+    const bool inside =
+        error->tip_m < real_mul(share, DWELL_TIP_M) && error->tip_angle_rad < real_mul(share, DWELL_ANGLE_RAD) &&
+        error->tip_speed_m_s < real_mul(share, DWELL_SPEED_M_S) && guidance->in_state_s >= DWELL_LEAST_S;
     guidance->inside_s = inside ? guidance->inside_s + dt_s : REAL(0);
     if (guidance->inside_s >= DWELL_INSIDE_S) {
         guidance->attempt = guidance->mated ? SSV_ATTEMPT_DOCK : SSV_ATTEMPT_MATE;

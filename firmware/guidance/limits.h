@@ -35,8 +35,11 @@
 #define DWELL_SPEED_M_S REAL(0.006)
 #define DWELL_INSIDE_S REAL(2)
 #define DWELL_MAX_S REAL(120)
+// At first it must be inside a share of these, which grows to all of them in so long: who can do better, does.
+#define DWELL_TIGHT REAL(0.4)
+#define DWELL_LOOSEN_S REAL(20)
 // Least time in the hold: the observer's transients must be over.
-#define DWELL_LEAST_S REAL(2)
+#define DWELL_LEAST_S REAL(4)
 
 // Backing off: how far, how fast, how often.
 #define BACK_OFF_M REAL(0.3)

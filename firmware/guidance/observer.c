@@ -122,32 +122,57 @@ static ssv_wrench_t thrust_over(ssv_guidance_t* guidance, real_t dt_s) {
     return ssv_observer_wrench(&guidance->problem->scenario.vehicle, guidance->thrust_N);
 }
 
-// Backward Euler in the linear drag: its steps may be longer than the time in which drag stops the vehicle, and the way
-// that it still slides is exact.
+// The share of a step's drag that counts at its end: half of it, which is of second order, or where drag stops the
+// vehicle within the step as much more as keeps it from turning round. The way that it slides on is exact for each.
+static real_t share_at_end(const ssv_guidance_body_t* body, real_t dt_s) {
+    const real_t moving = real_div(real_mul(dt_s, body->drag_kg_s), body->mass_kg);
+    const real_t turning = real_div(real_mul(dt_s, body->drag_Nm_s), body->inertia_kg_m2);
+    const real_t most = real_max(moving, turning);
+    return most > REAL(2) ? REAL(1) - real_div(REAL(1), most) : REAL(0.5);
+}
+
+// The twist after dt_s under a wrench, where drag and gyration grow with the square of the twist as `square` says.
+static ssv_twist_t twist_after(const ssv_guidance_body_t* body, ssv_twist_t twist, ssv_wrench_t wrench,
+                               const ssv_demand_t* at_start, ssv_wrench_t square, real_t dt_s) {
+    const real_t implicit_s = real_mul(share_at_end(body, dt_s), dt_s);
+    real_t m[N][N], b[N], rate[N];
+    put(b, (ssv_wrench_t){vec3_sub(wrench.force, vec3_add(at_start->linear.force, square.force)),
+                          vec3_sub(wrench.moment, vec3_add(at_start->linear.moment, square.moment))});
+    for (int r = 0; r < N; r++) {
+        for (int c = 0; c < N; c++) m[r][c] = body->mass[r][c] + real_mul(implicit_s, body->drag[r][c]);
+    }
+    solve(m, b, rate);
+    return (ssv_twist_t){vec3_add(twist.v, vec3_scale(dt_s, vec3(rate[0], rate[1], rate[2]))),
+                         vec3_add(twist.w, vec3_scale(dt_s, vec3(rate[3], rate[4], rate[5])))};
+}
+
+static vec3_t between(real_t share, vec3_t from, vec3_t to) {
+    return vec3_add(from, vec3_scale(share, vec3_sub(to, from)));
+}
+
+// Heun's method for what grows with the square: a fast turn would leave a false moment behind otherwise.
 void ssv_observer_predict(ssv_guidance_t* guidance, real_t dt_s) {
     ssv_estimate_t* x = &guidance->estimate;
     const ssv_guidance_body_t* body = &guidance->body;
     const ssv_assembly_t assembly = ssv_observer_assembly(guidance);
-    const ssv_twist_t twist = {x->v_S_m_s, x->w_S_rad_s};
-    ssv_demand_t demand;
-    ssv_body_demand(&assembly, twist, &demand);
+    const ssv_twist_t start = {x->v_S_m_s, x->w_S_rad_s};
     const ssv_wrench_t thrust = thrust_over(guidance, dt_s);
-    const vec3_t force_S = quat_apply(quat_conj(x->X_IS.q), x->force_I_N);
-    const ssv_wrench_t net = {
-        vec3_sub(vec3_add(thrust.force, force_S), vec3_add(demand.linear.force, demand.quadratic.force)),
-        vec3_sub(vec3_add(thrust.moment, x->moment_S_Nm), vec3_add(demand.linear.moment, demand.quadratic.moment))};
-    real_t m[N][N], b[N], rate[N];
-    put(b, net);
-    for (int r = 0; r < N; r++) {
-        for (int c = 0; c < N; c++) m[r][c] = body->mass[r][c] + real_mul(dt_s, body->drag[r][c]);
-    }
-    solve(m, b, rate);
-    x->v_S_m_s = vec3_add(x->v_S_m_s, vec3_scale(dt_s, vec3(rate[0], rate[1], rate[2])));
-    x->w_S_rad_s = vec3_add(x->w_S_rad_s, vec3_scale(dt_s, vec3(rate[3], rate[4], rate[5])));
+    const ssv_wrench_t wrench = {vec3_add(thrust.force, quat_apply(quat_conj(x->X_IS.q), x->force_I_N)),
+                                 vec3_add(thrust.moment, x->moment_S_Nm)};
+    ssv_demand_t at_start, at_end;
+    ssv_body_demand(&assembly, start, &at_start);
+    ssv_twist_t end = twist_after(body, start, wrench, &at_start, at_start.quadratic, dt_s);
+    ssv_body_demand(&assembly, end, &at_end);
+    const ssv_wrench_t square = {between(REAL(0.5), at_start.quadratic.force, at_end.quadratic.force),
+                                 between(REAL(0.5), at_start.quadratic.moment, at_end.quadratic.moment)};
+    end = twist_after(body, start, wrench, &at_start, square, dt_s);
+    x->v_S_m_s = end.v;
+    x->w_S_rad_s = end.w;
     // The velocity is in axes of S, which have turned by half the step on its way.
-    const vec3_t turn = vec3_scale(dt_s, x->w_S_rad_s);
+    const real_t share = share_at_end(body, dt_s);
+    const vec3_t turn = vec3_scale(dt_s, between(share, start.w, end.w));
     const quat_t half = turned(x->X_IS.q, vec3_scale(REAL(0.5), turn));
-    x->X_IS.p = vec3_add(x->X_IS.p, vec3_scale(dt_s, quat_apply(half, x->v_S_m_s)));
+    x->X_IS.p = vec3_add(x->X_IS.p, vec3_scale(dt_s, quat_apply(half, between(share, start.v, end.v))));
     x->X_IS.q = turned(x->X_IS.q, turn);
     for (int k = 0; k < SSV_GUIDANCE_HISTORY; k++) guidance->history_age_s[k] += dt_s;
     guidance->newest = (guidance->newest + 1) % SSV_GUIDANCE_HISTORY;

@@ -140,6 +140,37 @@ static void test_undisturbed_flights_of_the_shipped_scenarios_dock_within_a_cent
     }
 }
 
+// A random scenario with the bodies of a model, planned with all of the thrust.
+static void fly_random(int k, void* result) {
+    sample_seed(SEED + (uint64_t)k);
+    ssv_scenario_t s = sample_scenario();
+    s.vehicle = model_vehicle();
+    s.beam = model_beam(k % 2 == 0);
+    s.method = SSV_METHOD_OPTIMAL;
+    s.effort = k % 4 < 2 ? SSV_EFFORT_QUICK : SSV_EFFORT_BEST;
+    prepare(&s, 1);
+    guided_flight(&problem, &plan, force_max_N, &nominal, SEED, result);
+    flown_t* flown = result;
+    flown->impulse_Ns /= real_to_double(plan.quote.impulse_Ns); // the plan is known here alone
+}
+
+static void test_undisturbed_flights_of_random_scenarios_dock_within_a_centimetre_at_the_planned_impulse(void) {
+    static char text[100];
+    const int count = sweep_count(20, 200);
+    const flown_t* f = sweep("random, undisturbed", count, sizeof *f, fly_random);
+    TEST_ASSERT_NOT_NULL(f);
+    printf("random, undisturbed: %d flights, worst %.2f mm, %.3f deg, %.2f mm/s\n", count,
+           quantile_of(f, count, dock_mm, 1), quantile_of(f, count, dock_deg, 1),
+           quantile_of(f, count, dock_mm_s, 1));
+    for (int k = 0; k < count; k++) {
+        (void)snprintf(text, sizeof text, "sample_seed(%d): %.2f mm, %.3f deg, impulse %.4f", SEED + k,
+                       dock_mm(&f[k]), dock_deg(&f[k]), f[k].impulse_Ns);
+        if (getenv("SHOW")) { if (!within(&f[k],0.01,0.5*DEG) || fabs(f[k].impulse_Ns-1)>0.02) printf("%s state %d t %.0f\n", text, f[k].state, f[k].time_s); continue; }
+        TEST_ASSERT_TRUE_MESSAGE(within(&f[k], 0.01, 0.5 * DEG), text);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.02, 1, f[k].impulse_Ns, text);
+    }
+}
+
 static void fly_disturbed(const char* name, const ssv_scenario_t* s, int quick, int full) {
     prepare(s, RESERVE);
     conditions = disturbed;
@@ -173,6 +204,7 @@ static void test_the_same_flights_without_guidance_do_not_dock(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_undisturbed_flights_of_the_shipped_scenarios_dock_within_a_centimetre_at_the_planned_impulse);
+    RUN_TEST(test_undisturbed_flights_of_random_scenarios_dock_within_a_centimetre_at_the_planned_impulse);
     RUN_TEST(test_disturbed_flights_of_the_case_study_dock);
     RUN_TEST(test_disturbed_flights_of_on_axis_dock);
     RUN_TEST(test_disturbed_flights_of_port3_oblique_dock);
