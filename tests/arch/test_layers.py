@@ -13,20 +13,24 @@ CORE_API = tuple(f"firmware/include/ssv/{name}.h"
 TIMELINE_API = "firmware/include/ssv/timeline.h"
 LINK_API = "firmware/include/ssv/link.h"
 VEHICLE_API = "firmware/include/ssv/vehicle.h"
+GUIDANCE_API = "firmware/include/ssv/guidance.h"
 ANSWER_API = "firmware/include/ssv/answer.h"
 CHECK_API = "firmware/include/ssv/check.h"
 FIELDS = "firmware/planner/model/fields.def"
+# The planner's own model, which the observer runs on.
+MODEL = tuple(f"firmware/planner/model/{name}.h" for name in ("body", "allocation", "grasp"))
 WIRE_API = tuple(f"host/wire/{name}.h" for name in ("message", "names", "tree"))
 
 # What each folder may include beside its own files and the C and POSIX headers: folders, public headers, libraries.
 MAY_INCLUDE = {
     "firmware/include/ssv": {*CORE_API, "lcmtypes"},
     "firmware/planner": {*CORE_API},
+    "firmware/guidance": {*CORE_API, GUIDANCE_API, *MODEL},
     "firmware/link": {TIMELINE_API, LINK_API, "mavlink"},
     "firmware/vehicle": {TIMELINE_API, LINK_API, VEHICLE_API},
     "firmware/bench": {TIMELINE_API, LINK_API, VEHICLE_API},
     "firmware/target": set(),
-    "firmware/daemon": {*CORE_API, ANSWER_API, CHECK_API, FIELDS, "lcmtypes", "lcm"},
+    "firmware/daemon": {*CORE_API, ANSWER_API, CHECK_API, GUIDANCE_API, FIELDS, "lcmtypes", "lcm"},
     "host/wire": {ANSWER_API, "lcmtypes", "fyaml", "jansson"},
     "host": {*CORE_API, ANSWER_API, CHECK_API, *WIRE_API, "lcmtypes", "lcm", "jansson"},
     "sim/physics": set(),
@@ -102,6 +106,8 @@ def include_breaches(root, path, text, modules):
                 yield f"<{name}> is not for the core"
             elif folder in ON_TARGET and name not in LINK_SYSTEM_HEADERS:
                 yield f"<{name}> is not for the {ON_TARGET[folder]}"
+            elif folder == "firmware/guidance" and name not in CORE_SYSTEM_HEADERS:
+                yield f"<{name}> is not for guidance"
             elif name == "math.h" and folder == "firmware/include/ssv" and not re.search(r"/real_(double|float)\.h$", path):
                 yield "<math.h> is for the scalars alone"
             continue
@@ -115,6 +121,8 @@ def include_breaches(root, path, text, modules):
             yield "the link stands on the timeline alone"
         if path == VEHICLE_API and target != LINK_API:
             yield "the vehicle stands on the link alone"
+        if path == GUIDANCE_API and target not in CORE_API:
+            yield "guidance stands on the planner alone"
         if path in CORE_API and target not in CORE_API:
             yield f"the core's headers stand by themselves, without {target}"
         if module_of(target) != module_of(path):
@@ -147,6 +155,8 @@ def breaches(root):
             found += [f"{path}: {breach}" for breach in word_breaches(text, "core", NOT_IN_CORE)]
         if folder_of(path) in ON_TARGET:
             found += [f"{path}: {breach}" for breach in word_breaches(text, ON_TARGET[folder_of(path)], NOT_ON_TARGET)]
+        if folder_of(path) == "firmware/guidance":
+            found += [f"{path}: {breach}" for breach in word_breaches(text, "guidance", NOT_IN_CORE)]
     return found + [f"{module}: includes itself through other modules" for module in in_a_cycle(modules)]
 
 
@@ -208,6 +218,23 @@ class Layers(unittest.TestCase):
             ("sim/sil/planted.c", '#include "lcm_ssv_plan_t.h"'): "must not include lcmtypes",
             ("sim/physics/planted.c", '#include "sil/sil.h"'): "must not include sim/sil/sil.h",
             ("sim/physics/planted.c", '#include "ssv/vehicle.h"'): "must not include firmware/include/ssv/vehicle.h",
+            ("firmware/guidance/law.c", '#include "ssv/link.h"'): "must not include firmware/include/ssv/link.h",
+            ("firmware/guidance/law.c", '#include "link/wire.h"'): "must not include firmware/link/wire.h",
+            ("firmware/guidance/law.c", '#include "ssv/answer.h"'): "must not include firmware/include/ssv/answer.h",
+            ("firmware/guidance/law.c", '#include "daemon/log.h"'): "must not include firmware/daemon/log.h",
+            ("firmware/guidance/law.c", '#include "lcm_ssv_plan_t.h"'): "must not include lcmtypes",
+            ("firmware/guidance/law.c", "#include <lcm/lcm.h>"): "must not include lcm",
+            ("firmware/guidance/law.c", '#include "planner/motion/path.h"'):
+                "must not include firmware/planner/motion/path.h",
+            ("firmware/guidance/law.c", "#include <stdio.h>"): "is not for guidance",
+            ("firmware/guidance/law.c", "void* p = malloc(3);"): "heap in the guidance",
+            ("firmware/guidance/law.c", "long f(void) { return time(0); }"): "operating system in the guidance",
+            ("firmware/guidance/law.c", "real_t f(real_t x) { return sqrt(x); }"): "libm past real.h in the guidance",
+            ("firmware/guidance/law.c", "static const double x = 1;"): "a scalar other than real_t in the guidance",
+            ("firmware/include/ssv/guidance.h", '#include "ssv/link.h"'): "stands on the planner alone",
+            ("firmware/planner/motion/maneuver.c", '#include "ssv/guidance.h"'):
+                "must not include firmware/include/ssv/guidance.h",
+            ("sim/physics/planted.c", '#include "ssv/guidance.h"'): "must not include firmware/include/ssv/guidance.h",
             ("firmware/planner/motion/maneuver.c", '#include "link/wire.h"'): "must not include firmware/link/wire.h",
             ("firmware/planner/motion/maneuver.c", '#include "ssv/mavlink.h"'): "must not include mavlink",
             ("firmware/daemon/answer.c", '#include "planner/motion/maneuver.h"'): "must not include firmware/planner/motion/maneuver.h",
