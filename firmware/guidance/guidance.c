@@ -32,7 +32,7 @@ static real_t end_of_phase_s(const ssv_guidance_t* guidance) {
 
 // Where this phase ends: the vehicle at the beam where it lies, or the beam in the port, held as it was taken.
 static pose_t place(const ssv_guidance_t* guidance) {
-    const pose_t X_IB = guidance->mated ? guidance->plan->X_IB_final : guidance->problem->scenario.X_IB;
+    const pose_t X_IB = guidance->mated ? guidance->plan->quote.X_IB_final : guidance->problem->scenario.X_IB;
     return pose_mul(X_IB, pose_inv(guidance->X_SB));
 }
 

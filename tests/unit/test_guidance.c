@@ -337,7 +337,7 @@ static void test_missed_attempt_backs_off_away_from_the_beam_and_out_of_the_port
     for (int mated = 0; mated < 2; mated++) {
         ssv_guidance_init(&guidance, &problem, &plan, &config);
         if (mated) take_hold();
-        const pose_t place = mated ? plan.X_IS_final : place_to_mate();
+        const pose_t place = mated ? plan.quote.X_IS_final : place_to_mate();
         arrive(place, mated ? plan.quote.time_s : plan.event[0].t_s);
         TEST_ASSERT_TRUE(steps_until_attempt(place, 2000) > 0);
         ssv_guidance_attempted(&guidance, false);
@@ -356,8 +356,8 @@ static void test_missed_attempt_backs_off_away_from_the_beam_and_out_of_the_port
 
 static void test_docked_vehicle_gives_no_thrust(void) {
     take_hold();
-    arrive(plan.X_IS_final, plan.quote.time_s);
-    TEST_ASSERT_TRUE(steps_until_attempt(plan.X_IS_final, 2000) > 0);
+    arrive(plan.quote.X_IS_final, plan.quote.time_s);
+    TEST_ASSERT_TRUE(steps_until_attempt(plan.quote.X_IS_final, 2000) > 0);
     TEST_ASSERT_EQUAL(SSV_ATTEMPT_DOCK, command.attempt);
     ssv_guidance_attempted(&guidance, true);
     guidance.estimate.force_I_N = vec3(1, 1, 1);
