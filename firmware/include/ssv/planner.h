@@ -87,7 +87,8 @@ typedef struct {
 /// it means nothing.
 typedef union {
     real_t number[SSV_WORK_REALS];
-    void* pointer; ///< for its alignment alone
+    uint64_t hash; ///< this and the next for their alignment alone
+    void* pointer;
 } ssv_work_t;
 
 /// Checks every field of the scenario against its range and caches the inverse of the thruster matrix.
