@@ -70,7 +70,7 @@ def write_database(paths, folder):
     if like not in entries:
         raise ToolMissing(f"The build in {BUILD} is without the host's part: configure with -DSSV_BUILD_HOST=ON.")
     words = entries[like]["command"].partition(" -o ")[0]
-    more = [*(ROOT / folder for folder in ("firmware", "firmware/target", "tests/support")), BUILD / "tests/arch"]
+    more = [*(ROOT / folder for folder in ("firmware", "firmware/target", "host", "host/cli", "tests/support")), BUILD / "tests/arch"]
     generated = BUILD / "firmware/link/mavlink/include"
     other = words + "".join(f" -I{folder}" for folder in more) + f" -isystem {generated}"
     made = [entries.get(path, {"directory": str(BUILD), "file": str(ROOT / path), "command": f"{other} -c {ROOT / path}"})

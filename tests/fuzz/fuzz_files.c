@@ -9,6 +9,11 @@
 #include "scenario_file.h"
 #include "wire/message.h"
 
+/// Where models are that a scenario names.
+#ifndef SSV_MODELS
+#define SSV_MODELS "host/models"
+#endif
+
 #define CHECK(condition)                                                                                               \
     if (!(condition)) abort()
 
