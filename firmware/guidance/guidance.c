@@ -42,15 +42,16 @@ static vec3_t way_out_I(const ssv_guidance_t* guidance, pose_t X_IS) {
     return quat_apply(X_IS.q, vec3(REAL(-1), REAL(0), REAL(0)));
 }
 
-// Mean of the timeline from t_s on for span_s: a thrust that jumps within a step would be off by as much as it jumps,
-// and a pair with a long lever remembers that.
-static void mean_thrust(const ssv_plan_t* plan, real_t t_s, real_t span_s, real_t u_N[SSV_NUM_THRUSTERS]) {
+// Impulse of the timeline from t_s on for span_s, spread over dt_s: a thrust that jumps within a step would be off by
+// as much as it jumps, and a pair with a long lever remembers that.
+static void spread_thrust(const ssv_plan_t* plan, real_t t_s, real_t span_s, real_t dt_s,
+                          real_t u_N[SSV_NUM_THRUSTERS]) {
     for (int k = 0; k < plan->num_segments; k++) {
         const ssv_segment_t* segment = &plan->segment[k];
         const real_t from = real_max(t_s, segment->t_s) - segment->t_s;
         const real_t to = real_min(t_s + span_s, segment->t_s + segment->duration_s) - segment->t_s;
         if (to <= from) continue;
-        const real_t share = real_div(to - from, span_s);
+        const real_t share = real_div(to - from, dt_s);
         const real_t along = real_div(real_mul(REAL(0.5), from + to), segment->duration_s);
         for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
             const real_t middle = segment->u_start_N[i] + real_mul(along, segment->u_end_N[i] - segment->u_start_N[i]);
@@ -60,7 +61,7 @@ static void mean_thrust(const ssv_plan_t* plan, real_t t_s, real_t span_s, real_
 }
 
 // The plan's motion, for the vehicle that carries the beam as it was taken hold of and not as planned.
-static ssv_reference_t reference_of_plan(const ssv_guidance_t* guidance, real_t dt_s) {
+static ssv_reference_t reference_of_plan(const ssv_guidance_t* guidance) {
     const ssv_plan_t* plan = guidance->plan;
     ssv_sample_t now;
     ssv_plan_sample(plan, guidance->plan_time_s, &now);
@@ -71,12 +72,6 @@ static ssv_reference_t reference_of_plan(const ssv_guidance_t* guidance, real_t 
         const quat_t back = quat_conj(X.q);
         reference.v_S_m_s = quat_apply(back, vec3_add(now.v_IS_S_m_s, vec3_cross(now.w_IS_S_rad_s, X.p)));
         reference.w_S_rad_s = quat_apply(back, now.w_IS_S_rad_s);
-    }
-    // Up to the end of the phase: what comes then is another body's.
-    const real_t span_s = real_min(dt_s, end_of_phase_s(guidance) - guidance->plan_time_s);
-    if (span_s > REAL(0)) mean_thrust(plan, guidance->plan_time_s, span_s, reference.u_N);
-    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-        reference.u_N[i] = real_mul(real_div(real_max(span_s, REAL(0)), dt_s), reference.u_N[i]);
     }
     return reference;
 }
@@ -115,10 +110,13 @@ static real_t rate_of_clock(const ssv_guidance_t* guidance, const ssv_reference_
     return real_min(rate_for(moving, CLOCK_LAG_M), rate_for(turning, CLOCK_LAG_RAD));
 }
 
-static void slow_down(ssv_reference_t* reference, real_t rate) {
+// The plan's motion and thrust at such a rate of its clock: the timeline's impulse over what passes, spread over dt_s.
+// It ends with the phase, for what comes then is another body's.
+static void run_at(const ssv_guidance_t* guidance, real_t rate, real_t dt_s, ssv_reference_t* reference) {
+    const real_t span_s = real_min(real_mul(rate, dt_s), end_of_phase_s(guidance) - guidance->plan_time_s);
     reference->v_S_m_s = vec3_scale(rate, reference->v_S_m_s);
     reference->w_S_rad_s = vec3_scale(rate, reference->w_S_rad_s);
-    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) reference->u_N[i] = real_mul(rate, reference->u_N[i]);
+    if (span_s > REAL(0)) spread_thrust(guidance->plan, guidance->plan_time_s, span_s, dt_s, reference->u_N);
 }
 
 static void fill_in_error(const ssv_reference_t* reference, const ssv_law_error_t* error, ssv_guidance_error_t* out) {
@@ -188,34 +186,35 @@ static void go_on(ssv_guidance_t* guidance, real_t dt_s, real_t rate) {
 void ssv_guidance_step(ssv_guidance_t* guidance, real_t dt_s, ssv_guidance_command_t* command) {
     memset(command, 0, sizeof *command);
     const bool flying = guidance->state == SSV_GUIDANCE_FLYING;
-    ssv_reference_t reference = flying ? reference_of_plan(guidance, dt_s) : reference_at_place(guidance);
+    ssv_reference_t reference = flying ? reference_of_plan(guidance) : reference_at_place(guidance);
+    const ssv_reference_t at_full_rate = reference;
     ssv_law_error_t error = ssv_law_error(guidance, &reference);
-    const ssv_reference_t of_plan = reference;
-    const real_t rate = flying ? rate_of_clock(guidance, &reference, &error) : REAL(0);
+    const real_t rate = flying && !guidance->paused ? rate_of_clock(guidance, &reference, &error) : REAL(0);
     if (flying) {
-        slow_down(&reference, rate);
+        run_at(guidance, rate, dt_s, &reference);
         error = ssv_law_error(guidance, &reference);
     }
-    fill_in_error(&of_plan, &error, &command->error);
+    fill_in_error(&at_full_rate, &error, &command->error);
     fill_in_tip(guidance, &command->error);
-    command->hold = !flying;
     command->clock_rate = rate;
     command->plan_time_s = guidance->plan_time_s;
     command->replan = command->error.across_m > LOST_ACROSS_M || command->error.angle_rad > LOST_ANGLE_RAD;
     if (guidance->state != SSV_GUIDANCE_DONE) ssv_law_thrusts(guidance, &reference, &error, command->u_N);
     for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-        command->trim_N[i] = command->u_N[i] - of_plan.u_N[i];
+        command->trim_N[i] = command->u_N[i] - reference.u_N[i];
         guidance->command_N[i] = command->u_N[i];
     }
-    if (guidance->state == SSV_GUIDANCE_DWELLING) dwell(guidance, dt_s, &command->error);
+    if (guidance->state == SSV_GUIDANCE_DWELLING && !guidance->paused) dwell(guidance, dt_s, &command->error);
     command->state = guidance->state;
     command->attempt = guidance->attempt;
     ssv_observer_predict(guidance, dt_s);
     go_on(guidance, dt_s, rate);
 }
 
+void ssv_guidance_pause(ssv_guidance_t* guidance, bool paused) { guidance->paused = paused; }
+
 void ssv_guidance_attempted(ssv_guidance_t* guidance, bool hit) {
-    if (guidance->attempt == SSV_ATTEMPT_NONE) return;
+    if (guidance->state != SSV_GUIDANCE_DWELLING) return;
     if (!hit) {
         guidance->tries++;
         enter(guidance, SSV_GUIDANCE_BACKING_OFF);

@@ -53,12 +53,13 @@ void ssv_link_planner_beat(ssv_link_planner_t* link, uint32_t session, uint32_t 
 }
 
 void ssv_link_planner_trim(ssv_link_planner_t* link, uint32_t session, uint32_t sequence, int64_t plan_time_ns,
-                           const float trim_N[SSV_NUM_THRUSTERS]) {
+                           float clock_rate, const float trim_N[SSV_NUM_THRUSTERS]) {
     link->has_trim = true;
     link->trim.boot_id = link->config.boot_id;
     link->trim.session = session;
     link->trim.sequence = sequence;
     link->trim.plan_time_ns = plan_time_ns;
+    link->trim.clock_rate = clock_rate;
     memcpy(link->trim.trim_N, trim_N, sizeof link->trim.trim_N);
 }
 

@@ -395,6 +395,8 @@ static void tell_execution(const ssv_link_vehicle_t* link, const ssv_link_vehicl
     execution->segment = state->segment;
     execution->phase = state->phase;
     execution->reason = state->reason;
+    execution->events = state->events;
+    execution->attempts = state->attempts;
 }
 
 static void tell(const ssv_link_vehicle_t* link, const ssv_link_vehicle_state_t* state, ssv_packet_t* packet) {
@@ -403,15 +405,25 @@ static void tell(const ssv_link_vehicle_t* link, const ssv_link_vehicle_state_t*
         case SSV_PACKET_EXECUTION: tell_execution(link, state, packet); break;
         case SSV_PACKET_HEALTH: tell_health(&link->wire.statistics, packet); break;
         case SSV_PACKET_THRUSTS: memcpy(packet->of.u_N, state->u_N, sizeof packet->of.u_N); break;
-        default: packet->of.pose = state->pose; break;
+        default:
+            packet->of.pose = state->pose;
+            packet->time_ms = (uint32_t)(state->pose_us / 1000);
+            break;
     }
+}
+
+// A pose is told once: what is told again would be taken for another measurement.
+static bool is_due(const ssv_link_vehicle_t* link, int64_t now_us, const ssv_link_vehicle_state_t* state, int stream) {
+    const bool is_pose = streams[stream].kind == SSV_PACKET_ATTITUDE || streams[stream].kind == SSV_PACKET_POSITION;
+    if (is_pose && (!state->pose.known || state->pose_us == link->told_us[stream])) return false;
+    return link->interval_us[stream] >= 0 && now_us >= link->due_us[stream];
 }
 
 static bool poll_stream(ssv_link_vehicle_t* link, int64_t now_us, const ssv_link_vehicle_state_t* state,
                         ssv_packet_t* packet) {
     for (int i = 0; i < SSV_LINK_NUM_STREAMS; i++) {
-        const bool needs_pose = streams[i].kind == SSV_PACKET_ATTITUDE || streams[i].kind == SSV_PACKET_POSITION;
-        if (link->interval_us[i] < 0 || now_us < link->due_us[i] || (needs_pose && !state->pose.known)) continue;
+        if (!is_due(link, now_us, state, i)) continue;
+        link->told_us[i] = state->pose_us;
         link->due_us[i] += link->interval_us[i];
         if (link->due_us[i] <= now_us) // it fell behind: no burst to catch up
             link->due_us[i] = now_us + link->interval_us[i];

@@ -186,7 +186,9 @@ static bool read_execution(const mavlink_message_t* message, ssv_packet_t* packe
                                                   in.plan_time,
                                                   in.segment,
                                                   (ssv_link_phase_t)in.phase,
-                                                  (ssv_link_reason_t)in.reason};
+                                                  (ssv_link_reason_t)in.reason,
+                                                  in.events,
+                                                  in.attempts};
     return true;
 }
 
@@ -198,6 +200,8 @@ static bool read_trim(const mavlink_message_t* message, ssv_packet_t* packet) {
     packet->of.trim.session = in.session;
     packet->of.trim.sequence = in.sequence;
     packet->of.trim.plan_time_ns = in.plan_time;
+    packet->of.trim.clock_rate = in.clock_rate;
+    if (!(in.clock_rate >= 0 && in.clock_rate <= 1)) return false;
     for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
         if (!ssv_within(in.trim[i], FLT_MAX)) return false;
         packet->of.trim.trim_N[i] = in.trim[i];
@@ -341,7 +345,7 @@ bool ssv_wire_next(ssv_wire_t* wire, int64_t now_us, ssv_packet_t* packet) {
 
 // ---- Sending --------------------------------------------------------------------------------------------------------
 
-// Generated structs are packed and in wire order, so they are payloads as they stand.
+// Generated structs are in wire order, largest fields first, so they begin with the payload as it stands.
 typedef union {
     mavlink_heartbeat_t heartbeat;
     mavlink_sys_status_t health;
@@ -360,7 +364,8 @@ typedef union {
     mavlink_ssv_trim_t trim;
 } payload_t;
 
-_Static_assert(sizeof(mavlink_ssv_execution_t) == MAVLINK_MSG_ID_SSV_EXECUTION_LEN, "the struct is the payload");
+_Static_assert(offsetof(mavlink_ssv_execution_t, attempts) + 1 == MAVLINK_MSG_ID_SSV_EXECUTION_LEN,
+               "the struct is the payload, and what may follow it is padding");
 _Static_assert(!MAVLINK_NEED_BYTE_SWAP && MAVLINK_ALIGNED_FIELDS,
                "payloads are copied from structs as they stand, which takes a little-endian machine");
 
@@ -437,6 +442,8 @@ static void write_execution(const ssv_packet_t* packet, mavlink_ssv_execution_t*
     out->segment = (uint16_t)execution->segment;
     out->phase = (uint8_t)execution->phase;
     out->reason = (uint8_t)execution->reason;
+    out->events = execution->events;
+    out->attempts = execution->attempts;
 }
 
 static void write_trim(const ssv_packet_t* packet, mavlink_ssv_trim_t* out) {
@@ -446,6 +453,7 @@ static void write_trim(const ssv_packet_t* packet, mavlink_ssv_trim_t* out) {
     out->session = packet->of.trim.session;
     out->sequence = packet->of.trim.sequence;
     out->plan_time = packet->of.trim.plan_time_ns;
+    out->clock_rate = packet->of.trim.clock_rate;
     memcpy(out->trim, packet->of.trim.trim_N, sizeof out->trim);
 }
 
@@ -517,7 +525,8 @@ static uint32_t write_payload(const ssv_packet_t* packet, payload_t* out) {
 size_t ssv_wire_send(ssv_wire_t* wire, int64_t now_us, ssv_packet_t* packet, uint8_t* frame) {
     framing_t* framing = framing_of(wire, now_us);
     payload_t payload;
-    packet->time_ms = (uint32_t)(now_us / 1000);
+    if (packet->kind != SSV_PACKET_ATTITUDE && packet->kind != SSV_PACKET_POSITION)
+        packet->time_ms = (uint32_t)(now_us / 1000);
     const uint32_t id = write_payload(packet, &payload);
     const mavlink_msg_entry_t* entry = mavlink_get_msg_entry(id);
     mavlink_message_t message;

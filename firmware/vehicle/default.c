@@ -26,7 +26,7 @@ void ssv_vehicle_config_default(ssv_vehicle_config_t* config, uint32_t boot_id) 
     config->trim_hold_us = 300000;
     config->trim_ramp_us = 500000;
     config->trim_stop_us = 1000000;
-    config->trim_max_N = 6;
+    config->trim_max_N = 12; // from full thrust one way to full thrust the other
     config->brake_kg_s = 100;
     config->brake_Nm_s = 4;
     config->brake_speed_m_s = 0.005F;

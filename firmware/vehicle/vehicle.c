@@ -7,6 +7,9 @@
 
 /// [ns] A trim reckoned for a moment farther than this from the vehicle's own plan time is not for now.
 #define TRIM_APART_NS INT64_C(1000000000)
+/// The clocks of planner and vehicle meet within some so many ticks, and the timeline never goes on by more than this.
+#define CLOCK_TICKS 16
+#define CLOCK_TICK_MAX_NS (1250 * SSV_VEHICLE_TICK_US)
 
 /// [m, m/s, rad/s] Navigation beyond this is taken for none.
 #define NAVIGATION_MAX 1e5F
@@ -74,13 +77,13 @@ static bool are_sound(const float* value, int count) {
     return true;
 }
 
-void ssv_vehicle_navigate(ssv_controller_t* vehicle, int64_t now_us, const ssv_link_pose_t* pose) {
+void ssv_vehicle_navigate(ssv_controller_t* vehicle, int64_t held_us, const ssv_link_pose_t* pose) {
     if (!are_sound(pose->p_IS_m, 3) || !are_sound(pose->q_IS, 4) || !are_sound(pose->v_IS_m_s, 3) ||
         !are_sound(pose->w_IS_S_rad_s, 3))
         return;
     vehicle->state.pose = *pose;
     vehicle->state.pose.known = true;
-    vehicle->navigated_us = now_us;
+    vehicle->state.pose_us = held_us;
 }
 
 void ssv_vehicle_supply(ssv_controller_t* vehicle, float force_scale) {
@@ -144,6 +147,9 @@ static ssv_link_reason_t start(ssv_controller_t* vehicle, int64_t now_us, const 
     vehicle->has_started = true;
     vehicle->has_trim = vehicle->attempts = vehicle->awaits = false;
     vehicle->trim_sequence = 0;
+    vehicle->clock_rate = 1;
+    vehicle->clock_ahead_ns = 0;
+    vehicle->state.events = vehicle->state.attempts = 0;
     enter(vehicle, SSV_LINK_EXECUTING, SSV_LINK_NO_REASON);
     ssv_link_vehicle_say(&vehicle->link, now_us, SSV_LINK_INFO, "timeline started");
     return SSV_LINK_NO_REASON;
@@ -170,6 +176,8 @@ static void take_trim(ssv_controller_t* vehicle, int64_t now_us, const ssv_link_
     vehicle->trim_sequence = trim->sequence;
     vehicle->has_trim = true;
     vehicle->trim_us = now_us;
+    vehicle->clock_rate = trim->clock_rate;
+    vehicle->clock_ahead_ns = trim->plan_time_ns - vehicle->execution.plan_time_ns;
     for (int k = 0; k < SSV_NUM_THRUSTERS; k++) vehicle->trim_N[k] = clip(trim->trim_N[k], vehicle->config->trim_max_N);
 }
 
@@ -185,6 +193,7 @@ static void take(ssv_controller_t* vehicle, int64_t now_us, const ssv_link_vehic
             vehicle->has_started = false;
             vehicle->state.plan_time_ns = 0;
             vehicle->state.segment = 0;
+            vehicle->state.events = vehicle->state.attempts = 0;
             if (vehicle->state.phase == SSV_LINK_DONE) enter(vehicle, SSV_LINK_READY, SSV_LINK_NO_REASON);
             break;
         case SSV_LINK_VEHICLE_BEAT:
@@ -264,19 +273,35 @@ static bool brake(const ssv_controller_t* vehicle, int64_t now_us, float u_N[SSV
     return true;
 }
 
-static void add_trim(const ssv_controller_t* vehicle, int64_t now_us, float u_N[SSV_NUM_THRUSTERS]) {
-    if (!vehicle->has_trim) return;
+// How much of the newest trim counts.
+static float share_of_trim(const ssv_controller_t* vehicle, int64_t now_us) {
     const int64_t fading_us = now_us - vehicle->trim_us - vehicle->config->trim_hold_us;
-    if (fading_us >= vehicle->config->trim_ramp_us) return;
-    const float share = fading_us <= 0 ? 1 : 1 - (float)fading_us / (float)vehicle->config->trim_ramp_us;
+    if (!vehicle->has_trim || fading_us >= vehicle->config->trim_ramp_us) return 0;
+    return fading_us <= 0 ? 1 : 1 - (float)fading_us / (float)vehicle->config->trim_ramp_us;
+}
+
+static void add_trim(const ssv_controller_t* vehicle, int64_t now_us, float u_N[SSV_NUM_THRUSTERS]) {
+    const float share = share_of_trim(vehicle, now_us);
     for (int k = 0; k < SSV_NUM_THRUSTERS; k++) u_N[k] += share * vehicle->trim_N[k];
+}
+
+// How far the timeline goes on in this tick: as far as the planner's clock of it, and a little more or less to meet it.
+static int64_t passing_ns(ssv_controller_t* vehicle) {
+    const int64_t planned_ns = (int64_t)(vehicle->clock_rate * (float)(1000 * SSV_VEHICLE_TICK_US));
+    const int64_t meeting_ns = vehicle->clock_ahead_ns / CLOCK_TICKS + (vehicle->clock_ahead_ns > 0 ? 1 : 0);
+    int64_t passing = planned_ns + meeting_ns;
+    if (passing < 0) passing = 0;
+    if (passing > CLOCK_TICK_MAX_NS) passing = CLOCK_TICK_MAX_NS;
+    vehicle->clock_ahead_ns -= passing - planned_ns;
+    return passing;
 }
 
 static void execute(ssv_controller_t* vehicle, int64_t now_us, float u_N[SSV_NUM_THRUSTERS],
                     ssv_vehicle_output_t* output) {
     const ssv_vehicle_config_t* config = vehicle->config;
     ssv_execution_t* execution = &vehicle->execution;
-    ssv_execution_advance(execution, config->thrust_max_N, config->thrust_max_N - config->link.force_max_N, u_N);
+    ssv_execution_advance(execution, passing_ns(vehicle), config->thrust_max_N,
+                          config->thrust_max_N - config->link.force_max_N, u_N);
     vehicle->state.plan_time_ns = execution->plan_time_ns;
     vehicle->state.segment = execution->segment;
     if (ssv_execution_is_at_event(execution)) {
@@ -298,6 +323,8 @@ static void demand(ssv_controller_t* vehicle, int64_t now_us, float u_N[SSV_NUM_
                    ssv_vehicle_output_t* output) {
     memset(u_N, 0, SSV_NUM_THRUSTERS * sizeof *u_N);
     if (is_flying(vehicle)) check_planner(vehicle, now_us);
+    // Who is trimmed in the hold is held by the planner, who knows better.
+    if (is_flying(vehicle) && share_of_trim(vehicle, now_us) > 0) vehicle->is_slowing = false;
     if (vehicle->is_slowing) vehicle->is_slowing = brake(vehicle, now_us, u_N);
     switch (vehicle->state.phase) {
         case SSV_LINK_EXECUTING: execute(vehicle, now_us, u_N, output); break;
@@ -322,7 +349,7 @@ static float no_number(void) {
 void ssv_vehicle_tick(ssv_controller_t* vehicle, int64_t now_us, ssv_vehicle_output_t* output) {
     float u_N[SSV_NUM_THRUSTERS];
     memset(output, 0, sizeof *output);
-    if (now_us - vehicle->navigated_us > vehicle->config->navigation_stale_us) vehicle->state.pose.known = false;
+    if (now_us - vehicle->state.pose_us > vehicle->config->navigation_stale_us) vehicle->state.pose.known = false;
     demand(vehicle, now_us, u_N, output);
     output->is_armed = vehicle->state.phase != SSV_LINK_DISARMED;
     const bool thrusts =
@@ -343,11 +370,13 @@ void ssv_vehicle_attempted(ssv_controller_t* vehicle, int64_t now_us, bool hit) 
     if (!vehicle->awaits) return;
     const bool docks = vehicle->execution.event[vehicle->execution.next_event].kind == SSV_DOCK;
     vehicle->awaits = false;
+    vehicle->state.attempts++;
     if (!hit) {
         hold(vehicle, now_us, SSV_LINK_TRACKING);
         ssv_link_vehicle_say(&vehicle->link, now_us, SSV_LINK_WARNING, docks ? "missed the port" : "missed the beam");
         return;
     }
     ssv_execution_pass_event(&vehicle->execution);
+    vehicle->state.events++;
     ssv_link_vehicle_say(&vehicle->link, now_us, SSV_LINK_NOTICE, docks ? "docked" : "mated");
 }

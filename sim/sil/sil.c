@@ -114,7 +114,7 @@ static void navigate(sil_t* sil) {
             pose.w_IS_S_rad_s[i] = (float)state->nu[3 + i];
         }
         for (int i = 0; i < 4; i++) pose.q_IS[i] = (float)state->eta.q[i];
-        ssv_vehicle_navigate(&sil->vehicle, sil->now_us, &pose);
+        ssv_vehicle_navigate(&sil->vehicle, (int64_t)(1e6 * measurement.t_s + 0.5), &pose);
     }
 }
 

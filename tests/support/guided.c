@@ -1,11 +1,14 @@
 #include "guided.h"
 
 #include <math.h>
+#include <string.h>
 
-#define STEP_S 0.05
-#define TICKS 5
+#include "pilot.h"
+#include "sil/sil.h"
+
 #define WANDER_TIME_S 60
-#define GRACE_S 600
+#define EPOCH_US INT64_C(1767225600000000)
+#define BOOT_ID 41
 
 static void put_vec3(vec3_t v, double out[3]) {
     out[0] = real_to_double(v.x);
@@ -76,109 +79,117 @@ static double angle_between(pose_t one, pose_t other) {
                      fabs(real_to_double(q.w)));
 }
 
-static bool attempt(sim_world_t* world, const ssv_problem_t* problem, const ssv_plan_t* plan, ssv_attempt_t what,
-                    flown_t* flown) {
+static void configure(const ssv_problem_t* problem, const ssv_plan_t* plan, double force_max_N,
+                      const conditions_t* conditions, sil_config_t* config) {
     const ssv_candidate_t* choice = &plan->quote.choice;
-    flown->num_attempts++;
-    if (what == SSV_ATTEMPT_MATE) {
-        const sim_mate_place_t place = {real_to_double(problem->scenario.standoff_m),
-                                        real_to_double(choice->attach_height_m),
-                                        real_to_double(choice->ring_angle_rad)};
-        const sim_attempt_t tried = sim_world_mate(world, &place);
-        flown->mate = tried.arrival;
-        flown->mated = tried.outcome == SIM_HIT;
-        flown->time_mate_s = world->t_s;
-        return flown->mated;
-    }
-    sim_port_t port = {.contact = choice->contact};
-    put_vec3(problem->scenario.p_IP_m, port.p_nP_m);
-    put_vec3(problem->scenario.axis_I, port.axis_n);
-    const sim_attempt_t tried = sim_world_dock(world, &port);
-    flown->dock = tried.arrival;
-    flown->docked = tried.outcome == SIM_HIT;
-    return flown->docked;
+    memset(config, 0, sizeof *config);
+    config->world = config_of(&problem->scenario, force_max_N, conditions);
+    config->place = (sim_mate_place_t){real_to_double(problem->scenario.standoff_m),
+                                       real_to_double(choice->attach_height_m),
+                                       real_to_double(choice->ring_angle_rad)};
+    config->port.contact = choice->contact;
+    put_vec3(problem->scenario.p_IP_m, config->port.p_nP_m);
+    put_vec3(problem->scenario.axis_I, config->port.axis_n);
+    config->force_max_N = force_max_N;
+    config->boot_id = 1;
+    config->holds_at_events = !conditions->open_loop;
 }
 
-static void fly_step(sim_world_t* world, const ssv_plan_t* plan, const ssv_guidance_command_t* command) {
-    for (int k = 0; k < TICKS; k++) {
-        double u_N[SSV_NUM_THRUSTERS];
-        ssv_sample_t sample;
-        memset(&sample, 0, sizeof sample);
-        const double tick = STEP_S / TICKS;
-        const double t =
-            real_to_double(command->plan_time_s) + real_to_double(command->clock_rate) * ((k + 0.5) * tick);
-        const double end = real_to_double(world->beam == SIM_BEAM_WAITING ? plan->event[0].t_s : plan->quote.time_s);
-        if (!command->hold && t < end) ssv_plan_sample(plan, real_from_double(t), &sample);
-        for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
-            u_N[i] = real_to_double(sample.u_N[i]) + real_to_double(command->trim_N[i]);
-        }
-        sim_world_step(world, u_N, tick);
-    }
+static void take_over(const sil_t* sil, flown_t* flown) {
+    flown->mate = sil->attempt[SSV_MATE].arrival;
+    flown->dock = sil->attempt[SSV_DOCK].arrival;
+    flown->num_attempts = sil->num_attempts[SSV_MATE] + sil->num_attempts[SSV_DOCK];
+    flown->mated = sil->world.beam != SIM_BEAM_WAITING;
+    flown->docked = sil->world.beam == SIM_BEAM_DOCKED;
+    flown->time_s = sil->world.t_s;
+    flown->impulse_Ns = sil->world.impulse_Ns;
 }
 
 // The timeline as it is: mate and dock happen when it says so.
-static void fly_open_loop(sim_world_t* world, const ssv_problem_t* problem, const ssv_plan_t* plan, flown_t* flown) {
-    ssv_guidance_command_t command;
-    memset(&command, 0, sizeof command);
-    command.clock_rate = REAL(1);
-    const double mate_s = real_to_double(plan->event[0].t_s), dock_s = real_to_double(plan->quote.time_s);
-    while (world->t_s < dock_s) {
-        command.plan_time_s = real_from_double(world->t_s);
-        fly_step(world, plan, &command);
-        if (!flown->mated && world->t_s >= mate_s) (void)attempt(world, problem, plan, SSV_ATTEMPT_MATE, flown);
-    }
-    (void)attempt(world, problem, plan, SSV_ATTEMPT_DOCK, flown);
+static bool fly_open_loop(const sil_config_t* config, const ssv_plan_t* plan, uint64_t seed, flown_t* flown) {
+    static pilot_t pilot;
+    static ssv_timeline_t timeline;
+    ssv_timeline_of_plan(plan, &timeline);
+    if (pilot_init(&pilot, config, &timeline, seed) != NULL) return false;
+    (void)pilot_await(&pilot, SSV_LINK_DONE, real_to_double(plan->quote.time_s) + 60);
+    take_over(&pilot.sil, flown);
+    return true;
 }
 
-static void fly_closed_loop(sim_world_t* world, const ssv_problem_t* problem, const ssv_plan_t* plan,
-                            const ssv_guidance_config_t* config, flown_t* flown) {
-    static ssv_guidance_t guidance;
-    static ssv_guidance_command_t command;
-    ssv_guidance_init(&guidance, problem, plan, config);
-    const double longest_s = 2 * real_to_double(plan->quote.time_s) + GRACE_S;
-    double squares_m2 = 0, squares_rad2 = 0;
-    int num_squares = 0;
-    while (!flown->docked && world->t_s < longest_s && guidance.state != SSV_GUIDANCE_ABORTED) {
-        sim_measurement_t measured;
-        while (sim_world_measurement(world, &measured)) {
-            ssv_guidance_measure(&guidance, real_from_double(world->t_s - measured.t_s), pose_of(&measured.state.eta));
-        }
-        if (guidance.state == SSV_GUIDANCE_DWELLING && guidance.mated) {
-            const pose_t truth = pose_of(&world->state.eta);
-            const double m = real_to_double(vec3_norm(vec3_sub(truth.p, guidance.estimate.X_IS.p)));
-            const double rad = angle_between(truth, guidance.estimate.X_IS);
-            squares_m2 += m * m;
-            squares_rad2 += rad * rad;
-            num_squares++;
-        }
-        ssv_guidance_step(&guidance, real_from_double(STEP_S), &command);
-        flown->across_most_m = fmax(flown->across_most_m, real_to_double(command.error.across_m));
-        flown->lag_most_m = fmax(flown->lag_most_m, real_to_double(command.error.along_m));
-        flown->estimate_tip_m = real_to_double(command.error.tip_m);
-        fly_step(world, plan, &command);
-        if (command.attempt != SSV_ATTEMPT_NONE) {
-            ssv_guidance_attempted(&guidance, attempt(world, problem, plan, command.attempt, flown));
-            if (command.attempt == SSV_ATTEMPT_MATE)
-                flown->grasp_rad = angle_between(pose_of(&world->X_bB), guidance.X_SB);
-        }
+typedef struct {
+    double square_m2, square_rad2;
+    int count;
+} sums_t;
+
+static void watch(const sil_t* sil, const ssv_executive_t* executive, flown_t* flown, sums_t* sums) {
+    const ssv_guidance_t* guidance = &executive->guidance;
+    const ssv_guidance_error_t* error = &executive->turn.command.error;
+    flown->across_most_m = fmax(flown->across_most_m, real_to_double(error->across_m));
+    flown->lag_most_m = fmax(flown->lag_most_m, real_to_double(error->along_m));
+    flown->estimate_tip_m = real_to_double(error->tip_m);
+    if (!guidance->mated) return;
+    if (flown->time_mate_s == 0) {
+        flown->time_mate_s = sil->world.t_s;
+        flown->grasp_rad = angle_between(pose_of(&sil->world.X_bB), guidance->X_SB);
     }
-    flown->state = guidance.state;
-    flown->position_rms_m = sqrt(squares_m2 / (3 * (num_squares + 1e-9)));
-    flown->attitude_rms_rad = sqrt(squares_rad2 / (3 * (num_squares + 1e-9)));
+    if (guidance->state != SSV_GUIDANCE_DWELLING) return;
+    const pose_t truth = pose_of(&sil->world.state.eta);
+    const double m = real_to_double(vec3_norm(vec3_sub(truth.p, guidance->estimate.X_IS.p)));
+    const double rad = angle_between(truth, guidance->estimate.X_IS);
+    sums->square_m2 += m * m;
+    sums->square_rad2 += rad * rad;
+    sums->count++;
 }
 
-void guided_flight(const ssv_problem_t* problem, const ssv_plan_t* plan, double force_max_N,
+// What is sent up, and then what is sent down, each frame shown to whoever asked for them.
+static void exchange(sil_t* sil, ssv_executive_t* executive, guided_line_t line, void* context) {
+    uint8_t frame[SSV_LINK_FRAME_BYTES_MAX];
+    size_t length;
+    while ((length = ssv_executive_poll(executive, sil->now_us, frame)) > 0) {
+        if (line == NULL || line(context, true, sil->now_us, frame, length))
+            ssv_vehicle_receive(&sil->vehicle, sil->now_us, frame, length);
+    }
+    while ((length = ssv_vehicle_poll(&sil->vehicle, sil->now_us, frame)) > 0) {
+        if (line == NULL || line(context, false, sil->now_us, frame, length))
+            ssv_executive_receive(executive, sil->now_us, frame, length);
+    }
+}
+
+static bool fly_closed_loop(const sil_config_t* config, const ssv_problem_t* problem, const ssv_plan_t* plan,
+                            const conditions_t* conditions, uint64_t seed, flown_t* flown) {
+    static sil_t sil;
+    static ssv_executive_t executive;
+    const ssv_executive_config_t own = {.link = {.sysid = SSV_LINK_VEHICLE_SYSID,
+                                                 .compid = SSV_LINK_PLANNER_COMPID,
+                                                 .vehicle_sysid = SSV_LINK_VEHICLE_SYSID,
+                                                 .vehicle_compid = SSV_LINK_VEHICLE_COMPID,
+                                                 .boot_id = BOOT_ID},
+                                        .thruster_lag_s = real_from_double(conditions->known_lag_s)};
+    const ssv_executive_order_t order = {EPOCH_US, 60000, 0, real_from_double(config->force_max_N)};
+    sums_t sums = {0, 0, 0};
+    if (sil_init(&sil, config, seed) != NULL) return false;
+    ssv_executive_init(&executive, &own);
+    if (!ssv_executive_begin(&executive, 0, problem, plan, &order)) return false;
+    while (executive.outcome == SSV_EXECUTIVE_UNDER_WAY) {
+        const bool is_due = sil.now_us >= executive.due_us;
+        if (is_due) ssv_executive_step(&executive, sil.now_us);
+        if (is_due && executive.state == SSV_EXECUTIVE_TRACKING) watch(&sil, &executive, flown, &sums);
+        exchange(&sil, &executive, conditions->line, conditions->context);
+        sil_step(&sil);
+    }
+    take_over(&sil, flown);
+    flown->outcome = executive.outcome;
+    flown->reason = executive.reason;
+    flown->position_rms_m = sqrt(sums.square_m2 / (3 * (sums.count + 1e-9)));
+    flown->attitude_rms_rad = sqrt(sums.square_rad2 / (3 * (sums.count + 1e-9)));
+    return true;
+}
+
+bool guided_flight(const ssv_problem_t* problem, const ssv_plan_t* plan, double force_max_N,
                    const conditions_t* conditions, uint64_t seed, flown_t* flown) {
-    static sim_world_t world;
+    static sil_config_t config;
     memset(flown, 0, sizeof *flown);
-    const sim_world_config_t config = config_of(&problem->scenario, force_max_N, conditions);
-    if (sim_world_init(&world, &config, seed) != NULL) return;
-    const ssv_guidance_config_t guidance = {real_from_double(force_max_N), real_from_double(conditions->known_lag_s)};
-    if (conditions->open_loop) {
-        fly_open_loop(&world, problem, plan, flown);
-    } else {
-        fly_closed_loop(&world, problem, plan, &guidance, flown);
-    }
-    flown->time_s = world.t_s;
-    flown->impulse_Ns = world.impulse_Ns;
+    configure(problem, plan, force_max_N, conditions, &config);
+    return conditions->open_loop ? fly_open_loop(&config, plan, seed, flown)
+                                 : fly_closed_loop(&config, problem, plan, conditions, seed, flown);
 }

@@ -305,7 +305,7 @@ static void test_vehicle_mates_after_two_seconds_inside_the_tolerance_and_not_be
     arrive(place_to_mate(), plan.event[0].t_s);
     const int steps = steps_until_attempt(place_to_mate(), 2000);
     TEST_ASSERT_EQUAL(SSV_ATTEMPT_MATE, command.attempt);
-    TEST_ASSERT_TRUE(command.hold);
+    TEST_ASSERT_TRUE(command.clock_rate == REAL(0));
     TEST_ASSERT_TRUE(steps * STEP_S >= DWELL_INSIDE_S);
     TEST_ASSERT_TRUE(steps * STEP_S <= DWELL_INSIDE_S + DWELL_LEAST_S + 0.2);
     ssv_guidance_attempted(&guidance, true);

@@ -330,7 +330,7 @@ static void test_a_trim_counts_in_full_then_fades_then_the_vehicle_stops(void) {
     bring_to(SSV_LINK_EXECUTING);
     steps(1);
     const float without_N = pilot.sil.output.u_N[5];
-    ssv_link_planner_trim(&pilot.planner, pilot.session, 1, pilot.sil.vehicle.state.plan_time_ns, trim_N);
+    ssv_link_planner_trim(&pilot.planner, pilot.session, 1, pilot.sil.vehicle.state.plan_time_ns, 1, trim_N);
     steps(1);
     TEST_ASSERT_FLOAT_WITHIN(1e-5F, without_N + 1.5F, pilot.sil.output.u_N[5]);
     steps(60);
@@ -350,11 +350,11 @@ static void test_trims_that_are_old_or_of_others_or_for_another_time_are_passed_
     steps(1);
     const float without_N = pilot.sil.output.u_N[5];
     const int64_t plan_time_ns = pilot.sil.vehicle.state.plan_time_ns;
-    ssv_link_planner_trim(&pilot.planner, pilot.session + 1, 1, plan_time_ns, trim_N);
+    ssv_link_planner_trim(&pilot.planner, pilot.session + 1, 1, plan_time_ns, 1, trim_N);
     steps(1);
-    ssv_link_planner_trim(&pilot.planner, pilot.session, 2, plan_time_ns + INT64_C(3000000000), trim_N);
+    ssv_link_planner_trim(&pilot.planner, pilot.session, 2, plan_time_ns + INT64_C(3000000000), 1, trim_N);
     steps(1);
-    ssv_link_planner_trim(&pilot.planner, pilot.session, 0, plan_time_ns, trim_N);
+    ssv_link_planner_trim(&pilot.planner, pilot.session, 0, plan_time_ns, 1, trim_N);
     steps(1);
     TEST_ASSERT_FLOAT_WITHIN(1e-5F, without_N, pilot.sil.output.u_N[5]);
 }
@@ -391,7 +391,7 @@ static void act(void) {
         case 4:
             for (int k = 0; k < SSV_NUM_THRUSTERS; k++) trim_N[k] = (float)draw_between(-9, 9);
             ssv_link_planner_trim(&pilot.planner, pilot.session, (uint32_t)draw_below(100),
-                                  pilot.sil.vehicle.state.plan_time_ns, trim_N);
+                                  pilot.sil.vehicle.state.plan_time_ns, 1, trim_N);
             break;
         default:
             ssv_link_planner_command(&pilot.planner, pilot.sil.now_us, command[draw_below(6)], draw_below(4) != 0,

@@ -7,6 +7,7 @@
 #include "vehicle/execution.h"
 
 #define TICK_S 0.005
+#define TICK_NS INT64_C(5000000)
 #define MOST_N 7.5F
 #define ROOM_N 1.5F
 
@@ -57,7 +58,7 @@ static void test_the_ticks_have_the_impulse_and_the_moment_of_the_timeline(void)
         begin();
         // So much room that no correction is cut; four ticks more give what was put off.
         for (int more = 0; more < 4; ticks++) {
-            ssv_execution_advance(&execution, 1000, 500, u_N);
+            ssv_execution_advance(&execution, TICK_NS, 1000, 500, u_N);
             if (ssv_execution_is_over(&execution)) more++;
             for (int k = 0; k < SSV_NUM_THRUSTERS; k++) {
                 impulse_Ns[k] += TICK_S * (double)u_N[k];
@@ -84,7 +85,7 @@ static void test_without_room_a_tick_is_the_mean_of_the_timeline_over_it(void) {
         while (!ssv_execution_is_over(&execution)) {
             float u_N[SSV_NUM_THRUSTERS];
             double sum_N[SSV_NUM_THRUSTERS] = {0};
-            ssv_execution_advance(&execution, MOST_N, 0, u_N);
+            ssv_execution_advance(&execution, TICK_NS, MOST_N, 0, u_N);
             // Trapezia between the bends, a tenth of a tick long at most.
             for (double left_s = TICK_S; left_s > 1e-13 && segment < timeline.num_segments;) {
                 const ssv_timeline_segment_t* s = &timeline.segment[segment];
@@ -113,7 +114,7 @@ static void test_no_tick_asks_for_more_than_the_most(void) {
         begin();
         while (!ssv_execution_is_over(&execution)) {
             float u_N[SSV_NUM_THRUSTERS];
-            ssv_execution_advance(&execution, MOST_N, ROOM_N, u_N);
+            ssv_execution_advance(&execution, TICK_NS, MOST_N, ROOM_N, u_N);
             for (int k = 0; k < SSV_NUM_THRUSTERS; k++) TEST_ASSERT_TRUE(fabsf(u_N[k]) <= MOST_N);
         }
     }
@@ -133,9 +134,9 @@ static void test_it_stands_before_each_event_until_it_is_passed(void) {
             for (int tick = 0; !ssv_execution_is_at_event(&execution); tick++) {
                 TEST_ASSERT_LESS_THAN(10000, tick);
                 TEST_ASSERT_FALSE(ssv_execution_is_over(&execution));
-                ssv_execution_advance(&execution, MOST_N, ROOM_N, u_N);
+                ssv_execution_advance(&execution, TICK_NS, MOST_N, ROOM_N, u_N);
             }
-            for (int tick = 0; tick < 10; tick++) ssv_execution_advance(&execution, MOST_N, ROOM_N, u_N);
+            for (int tick = 0; tick < 10; tick++) ssv_execution_advance(&execution, TICK_NS, MOST_N, ROOM_N, u_N);
             for (int k = 0; k < SSV_NUM_THRUSTERS; k++) TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, (double)u_N[k]);
             TEST_ASSERT_TRUE(ssv_execution_is_at_event(&execution));
             TEST_ASSERT_EQUAL_INT32(timeline.event[e].segment, execution.segment);

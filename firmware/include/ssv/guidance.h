@@ -23,6 +23,7 @@
 #define ssv_guidance_init SSV_NAME(ssv_guidance_init)
 #define ssv_guidance_measure SSV_NAME(ssv_guidance_measure)
 #define ssv_guidance_step SSV_NAME(ssv_guidance_step)
+#define ssv_guidance_pause SSV_NAME(ssv_guidance_pause)
 #define ssv_guidance_attempted SSV_NAME(ssv_guidance_attempted)
 
 #ifdef __cplusplus
@@ -66,12 +67,11 @@ typedef struct {
 typedef struct {
     ssv_guidance_state_t state;
     ssv_attempt_t attempt;            ///< to be tried now, and answered by ssv_guidance_attempted
-    bool hold;                        ///< the timeline stands still and gives no thrust: the trims are all there is
     bool replan;                      ///< lost: a new plan from the estimate is needed. This one is followed meanwhile
     real_t plan_time_s;               ///< [s] on the plan's clock, at the start of the interval
-    real_t clock_rate;                ///< [-] [0, 1] of the plan's clock over the interval
+    real_t clock_rate;                ///< [-] [0, 1] of the plan's clock over the interval; 0 gives the trims alone
     real_t u_N[SSV_NUM_THRUSTERS];    ///< [N] thrusts to give, |u| <= force_max_N
-    real_t trim_N[SSV_NUM_THRUSTERS]; ///< [N] the same as a sum on top of the timeline's
+    real_t trim_N[SSV_NUM_THRUSTERS]; ///< [N] the same as a sum on top of clock_rate times the timeline's
     ssv_guidance_error_t error;
 } ssv_guidance_command_t;
 
@@ -102,6 +102,7 @@ typedef struct {
     ssv_guidance_state_t state;
     ssv_attempt_t attempt;
     real_t plan_time_s, in_state_s, inside_s, held_s;
+    bool paused;       ///< whether the plan's clock stands by order, see ssv_guidance_pause
     real_t back_off_m; ///< how far the reference has backed off
     int tries;
 } ssv_guidance_t;
@@ -118,7 +119,10 @@ void ssv_guidance_measure(ssv_guidance_t* guidance, real_t age_s, pose_t X_IS);
 /// there. Every field of *command is written. Costs some 60 square roots with a beam.
 void ssv_guidance_step(ssv_guidance_t* guidance, real_t dt_s, ssv_guidance_command_t* command);
 
-/// The outcome of the attempt that was asked for. A hit goes on; a miss backs off and comes again, SSV_GUIDANCE_TRIES
+/// Has the plan's clock stand, or go on: while it stands, the vehicle is held where the plan has it then.
+void ssv_guidance_pause(ssv_guidance_t* guidance, bool paused);
+
+/// The outcome of an attempt, which was asked for or made by somebody else while it dwells. A hit goes on; a miss backs off and comes again, SSV_GUIDANCE_TRIES
 /// (guidance/limits.h) times in all.
 void ssv_guidance_attempted(ssv_guidance_t* guidance, bool hit);
 

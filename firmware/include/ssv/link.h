@@ -200,6 +200,7 @@ typedef struct {
 typedef struct {
     uint32_t boot_id, session, sequence; ///< see SSV_TRIM in ssv.xml
     int64_t plan_time_ns;                ///< [ns]
+    float clock_rate;                    ///< [-] [0, 1] of the timeline's clock
     float trim_N[SSV_NUM_THRUSTERS];     ///< [N] finite
 } ssv_link_trim_t;
 
@@ -242,8 +243,10 @@ typedef struct {
     bool may_swap;        ///< whether a commit may replace the live timeline now
     int64_t plan_time_ns; ///< [ns]
     int32_t segment;
-    uint32_t beat; ///< progress counter of the newest beat that counted
+    uint8_t events, attempts; ///< see SSV_EXECUTION in ssv.xml
+    uint32_t beat;            ///< progress counter of the newest beat that counted
     ssv_link_pose_t pose;
+    int64_t pose_us; ///< [us] when the pose held
     float u_N[SSV_NUM_THRUSTERS]; ///< [N] thrusts commanded now
 } ssv_link_vehicle_state_t;
 
@@ -326,6 +329,7 @@ typedef struct {
     uint16_t log_length;
     uint8_t log[SSV_LINK_LOG_BYTES];
     int64_t interval_us[SSV_LINK_NUM_STREAMS], due_us[SSV_LINK_NUM_STREAMS]; ///< [us]; interval < 0: never
+    int64_t told_us[SSV_LINK_NUM_STREAMS]; ///< [us] when the pose held that was told last
     bool served; ///< whether the last frame was the file server's
     bool want_version, want_timesync;
     int64_t timesync_ns;
@@ -391,6 +395,7 @@ typedef struct {
     int32_t segment;
     ssv_link_phase_t phase;
     ssv_link_reason_t reason;
+    uint8_t events, attempts;
 } ssv_link_execution_t;
 
 typedef struct {
@@ -402,7 +407,7 @@ typedef struct {
         } seen;
         ssv_link_execution_t execution;
         struct {
-            uint32_t time_boot_ms;
+            uint32_t time_boot_ms; ///< [ms] when it held, by the vehicle's clock
             ssv_link_pose_t pose;
         } pose;
         float u_N[SSV_NUM_THRUSTERS]; ///< [N]
@@ -497,7 +502,7 @@ void ssv_link_planner_beat(ssv_link_planner_t* link, uint32_t session, uint32_t 
 
 /// Sends trims at the next poll; newer ones take the place of those not yet sent.
 void ssv_link_planner_trim(ssv_link_planner_t* link, uint32_t session, uint32_t sequence, int64_t plan_time_ns,
-                           const float trim_N[SSV_NUM_THRUSTERS]);
+                           float clock_rate, const float trim_N[SSV_NUM_THRUSTERS]);
 
 #ifdef __cplusplus
 }

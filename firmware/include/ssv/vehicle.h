@@ -99,9 +99,11 @@ typedef struct {
     bool has_trim;
     uint32_t trim_sequence;
     int64_t trim_us;
+    float clock_rate;       ///< [-] of the timeline's clock, that of the newest trim
+    int64_t clock_ahead_ns; ///< [ns] how far the planner's clock of the timeline is ahead of the vehicle's own
     float trim_N[SSV_NUM_THRUSTERS];
     bool is_slowing; ///< whether it brakes
-    int64_t slowing_us, navigated_us;
+    int64_t slowing_us;
     float force_scale;
     float carried_N[SSV_NUM_THRUSTERS]; ///< [N] for one tick: what the dead bands have kept back so far
 } ssv_controller_t;
@@ -116,9 +118,9 @@ void ssv_vehicle_receive(ssv_controller_t* vehicle, int64_t now_us, const uint8_
 /// The next frame to send, as ssv_link_vehicle_poll.
 size_t ssv_vehicle_poll(ssv_controller_t* vehicle, int64_t now_us, uint8_t* frame);
 
-/// Tells where the vehicle is and how it moves; `pose->known` is taken as true. Numbers that no vehicle
-/// can have are passed over.
-void ssv_vehicle_navigate(ssv_controller_t* vehicle, int64_t now_us, const ssv_link_pose_t* pose);
+/// Tells where the vehicle was at `held_us`, [0, now], and how it moved; `pose->known` is taken as true. Numbers that no
+/// vehicle can have are passed over.
+void ssv_vehicle_navigate(ssv_controller_t* vehicle, int64_t held_us, const ssv_link_pose_t* pose);
 
 /// Tells the force that the supply gives over the force of the curves, such as its voltage over the nominal one to the
 /// power of 1.5; kept within 1/4 and 4.
