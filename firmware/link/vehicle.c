@@ -39,7 +39,10 @@ void ssv_link_vehicle_init(ssv_link_vehicle_t* link, const ssv_link_vehicle_conf
     memset(link, 0, sizeof *link);
     link->config = *config;
     ssv_wire_init(&link->wire, config->sysid, config->compid, config->sign ? &config->signing : NULL);
-    for (int i = 0; i < SSV_LINK_NUM_STREAMS; i++) link->interval_us[i] = streams[i].interval_us;
+    for (int i = 0; i < SSV_LINK_NUM_STREAMS; i++) {
+        link->interval_us[i] = streams[i].interval_us;
+        link->told_us[i] = -1;
+    }
 }
 
 // ---- Texts and log --------------------------------------------------------------------------------------------------

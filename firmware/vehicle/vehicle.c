@@ -305,7 +305,7 @@ static void execute(ssv_controller_t* vehicle, int64_t now_us, float u_N[SSV_NUM
     vehicle->state.plan_time_ns = execution->plan_time_ns;
     vehicle->state.segment = execution->segment;
     if (ssv_execution_is_at_event(execution)) {
-        if (!vehicle->awaits && !vehicle->attempts && config->holds_at_events) {
+        if (!vehicle->awaits && !vehicle->attempts && vehicle->has_trim) {
             hold(vehicle, now_us, SSV_LINK_NO_REASON);
         } else if (!vehicle->awaits) {
             vehicle->attempts = false;

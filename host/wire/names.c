@@ -14,10 +14,21 @@ const names_t names_event = {"event_t", "kind", 2, {"mate", "dock"}};
 const names_t names_method = {"options_t", "method", 2, {"optimal", "paper"}};
 const names_t names_effort = {"options_t", "effort", 2, {"quick", "best"}};
 const names_t names_scalar = {"planner_t", "scalar", 3, {"double", "float", "fixed"}};
+const names_t names_state = {
+    "execution_t",
+    "state",
+    8,
+    {"seeking", "uploading", "committing", "arming", "starting", "tracking", "stopping", "ended"}};
+const names_t names_outcome = {"execution_t",
+                               "outcome",
+                               8,
+                               {"under_way", "docked", "missed", "strayed", "stopped", "halted", "refused", "silent"}};
+const names_t names_goal = {"execution_t", "goal", 2, {"mate", "dock"}};
 
 const names_t* names_of_field(const char* type, const char* field) {
-    static const names_t* const all[] = {&names_status, &names_phase,  &names_kind,   &names_ramp,
-                                         &names_event,  &names_method, &names_effort, &names_scalar};
+    static const names_t* const all[] = {&names_status, &names_phase,   &names_kind,   &names_ramp,
+                                         &names_event,  &names_method,  &names_effort, &names_scalar,
+                                         &names_state,  &names_outcome, &names_goal};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
         if (strcmp(all[i]->type, type) == 0 && strcmp(all[i]->field, field) == 0) {
             return all[i];

@@ -9,11 +9,11 @@ typedef struct {
     const char* type; ///< as in its .lcm file, e.g. "leg_t"
     const char* field;
     int count;
-    const char* words[4];
+    const char* words[8];
 } names_t;
 
 extern const names_t names_status, names_phase, names_kind, names_ramp, names_event, names_method, names_effort,
-    names_scalar;
+    names_scalar, names_state, names_outcome, names_goal;
 
 /// The words of a field; NULL if it is no enum.
 const names_t* names_of_field(const char* type, const char* field);

@@ -91,7 +91,6 @@ const char* sil_init(sil_t* sil, const sil_config_t* config, uint64_t seed) {
     ssv_vehicle_config_default(&sil->config, config->boot_id);
     sil->config.link.force_max_N = (float)config->force_max_N;
     sil->config.thrust_max_N = (float)(THRUST_RATIO * config->force_max_N);
-    sil->config.holds_at_events = config->holds_at_events;
     set_curves(&sil->config, &config->world.thrusters, (double)sil->config.thrust_max_N);
     if (!set_allocation(&sil->config, config->world.thruster)) return "thruster: together they must give every wrench";
     if (!ssv_vehicle_init(&sil->vehicle, &sil->config)) return "thrusters: the curve has no inverse";

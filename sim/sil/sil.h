@@ -14,7 +14,6 @@ typedef struct {
     sim_port_t port;
     double force_max_N;
     uint32_t boot_id;
-    bool holds_at_events;
 } sil_config_t;
 
 typedef struct {

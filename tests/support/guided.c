@@ -85,14 +85,12 @@ static void configure(const ssv_problem_t* problem, const ssv_plan_t* plan, doub
     memset(config, 0, sizeof *config);
     config->world = config_of(&problem->scenario, force_max_N, conditions);
     config->place = (sim_mate_place_t){real_to_double(problem->scenario.standoff_m),
-                                       real_to_double(choice->attach_height_m),
-                                       real_to_double(choice->ring_angle_rad)};
+                                       real_to_double(choice->attach_height_m), real_to_double(choice->ring_angle_rad)};
     config->port.contact = choice->contact;
     put_vec3(problem->scenario.p_IP_m, config->port.p_nP_m);
     put_vec3(problem->scenario.axis_I, config->port.axis_n);
     config->force_max_N = force_max_N;
     config->boot_id = 1;
-    config->holds_at_events = !conditions->open_loop;
 }
 
 static void take_over(const sil_t* sil, flown_t* flown) {

@@ -1,5 +1,5 @@
-/// Flies the core's plans closed loop as the vehicle would: the executive on this side of the link, the controller on the
-/// other, sim/physics below, whose truth judges. All in one process and in virtual time.
+/// Flies the core's plans closed loop as the vehicle would: the executive on this side of the link, the controller on
+/// the other, sim/physics below, whose truth judges. All in one process and in virtual time.
 #ifndef TESTS_GUIDED_H
 #define TESTS_GUIDED_H
 

@@ -189,18 +189,49 @@ static void test_a_miss_holds_and_going_on_is_another_attempt(void) {
     TEST_ASSERT_EQUAL(SIM_BEAM_DOCKED, pilot.sil.world.beam);
 }
 
-static void test_told_to_it_holds_before_each_event(void) {
-    config.holds_at_events = true;
-    TEST_ASSERT_NULL(pilot_init(&pilot, &config, &timeline, 1));
+// Ticks with a trim of nothing every tenth of a second, until the vehicle is in the phase or they are over.
+static void steps_trimmed(int count, ssv_link_phase_t until, float clock_rate) {
+    static const float none_N[SSV_NUM_THRUSTERS];
+    static uint32_t sequence;
+    for (int k = 0; k < count && phase() != until; k++) {
+        if (k % 20 == 0)
+            ssv_link_planner_trim(&pilot.planner, pilot.session, ++sequence, pilot.sil.vehicle.state.plan_time_ns,
+                                  clock_rate, none_N);
+        pilot_step(&pilot);
+    }
+}
+
+static void test_a_trimmed_timeline_waits_before_each_event_to_be_told_to_continue(void) {
+    bring_to(SSV_LINK_EXECUTING);
     for (int e = 0; e < 2; e++) {
-        TEST_ASSERT_TRUE(pilot_await(&pilot, SSV_LINK_HOLDING, 40));
-        steps(400);
+        steps_trimmed(8000, SSV_LINK_HOLDING, 1);
+        TEST_ASSERT_EQUAL(SSV_LINK_HOLDING, phase());
+        steps_trimmed(400, SSV_LINK_DONE, 0);
         TEST_ASSERT_EQUAL(0, pilot.sil.num_attempts[e]);
         TEST_ASSERT_TRUE(ssv_link_planner_command(&pilot.planner, pilot.sil.now_us, SSV_LINK_PAUSE_CONTINUE, 1, 0));
         steps(3);
         TEST_ASSERT_EQUAL(1, pilot.sil.num_attempts[e]);
     }
     TEST_ASSERT_TRUE(pilot_await(&pilot, SSV_LINK_DONE, 40));
+    TEST_ASSERT_EQUAL(2, pilot.sil.vehicle.state.events);
+    TEST_ASSERT_EQUAL(2, pilot.sil.vehicle.state.attempts);
+}
+
+static void test_trims_slow_the_clock_of_the_timeline_and_its_thrusts_alike(void) {
+    bring_to(SSV_LINK_EXECUTING);
+    steps_trimmed(100, SSV_LINK_DONE, 1);
+    float full_N = 0, half_N = 0;
+    const int64_t start_ns = pilot.sil.vehicle.state.plan_time_ns;
+    for (int k = 0; k < SSV_NUM_THRUSTERS; k++) full_N += fabsf(pilot.sil.output.u_N[k]);
+    steps_trimmed(100, SSV_LINK_DONE, 0.5F);
+    for (int k = 0; k < SSV_NUM_THRUSTERS; k++) half_N += fabsf(pilot.sil.output.u_N[k]);
+    TEST_ASSERT_EQUAL_INT64(start_ns + 250000000, pilot.sil.vehicle.state.plan_time_ns);
+    // The timeline's thrust itself changes by some percent meanwhile.
+    TEST_ASSERT_FLOAT_WITHIN(0.05F * full_N, 0.5F * full_N, half_N);
+    const int64_t standing_ns = pilot.sil.vehicle.state.plan_time_ns;
+    steps_trimmed(100, SSV_LINK_DONE, 0);
+    TEST_ASSERT_EQUAL_INT64(standing_ns, pilot.sil.vehicle.state.plan_time_ns);
+    TEST_ASSERT_EQUAL_FLOAT(0, pilot.sil.output.u_N[0]);
 }
 
 static double kinetic_J(void) {
@@ -429,7 +460,8 @@ int main(void) {
     RUN_TEST(test_a_pause_slows_down_and_the_timeline_goes_on_where_it_was);
     RUN_TEST(test_a_stopped_vehicle_wants_to_be_disarmed_and_armed_anew_and_its_timeline_uploaded_anew);
     RUN_TEST(test_a_miss_holds_and_going_on_is_another_attempt);
-    RUN_TEST(test_told_to_it_holds_before_each_event);
+    RUN_TEST(test_a_trimmed_timeline_waits_before_each_event_to_be_told_to_continue);
+    RUN_TEST(test_trims_slow_the_clock_of_the_timeline_and_its_thrusts_alike);
     RUN_TEST(test_the_brake_takes_energy_until_the_vehicle_is_slow);
     RUN_TEST(test_after_a_cut_at_any_time_the_thrust_is_zero_in_time_and_stays_so);
     RUN_TEST(test_a_planner_that_makes_no_progress_counts_as_silent);

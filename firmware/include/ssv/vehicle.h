@@ -53,8 +53,6 @@ typedef struct {
     float brake_speed_m_s, brake_rate_rad_s;  ///< [m/s], [rad/s]
     int64_t brake_max_us;                     ///< [us]
     int64_t navigation_stale_us;              ///< [us] after which the vehicle does not know how it moves
-
-    bool holds_at_events; ///< whether it waits before each mate and dock for SSV_LINK_PAUSE_CONTINUE 1
 } ssv_vehicle_config_t;
 
 /// What a tick does.
