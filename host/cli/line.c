@@ -19,6 +19,8 @@
 /// Messages that wait while we look at one; liblcm's own 30 are soon filled by a stranger, or by a flight that goes
 /// much faster than the clock.
 #define QUEUE_CAPACITY 4096
+/// [bytes] Of the socket's buffer. A simulated flight tells in a second what a real one tells in ten minutes.
+#define ROOM_MAX 4194304
 #define REFUSALS_SHOWN 3
 
 double line_now_s(void) {
@@ -83,8 +85,23 @@ void line_close(line_t* line) {
     }
 }
 
+/// The URL with as much room for what arrives while we are busy as the system gives; it doubles what one asks for.
+static void with_room(const char* url, char* roomy, size_t size) {
+    long most = 0;
+    FILE* const limit = fopen("/proc/sys/net/core/rmem_max", "r");
+    if (limit != NULL && fscanf(limit, "%ld", &most) != 1) most = 0;
+    if (limit != NULL) fclose(limit);
+    const bool may = most > 0 && strncmp(url, "udpm:", 5) == 0 && strstr(url, "recv_buf_size") == NULL;
+    const long room = most < ROOM_MAX / 2 ? 2 * most : ROOM_MAX;
+    const int length =
+        may ? snprintf(roomy, size, "%s%crecv_buf_size=%ld", url, strchr(url, '?') != NULL ? '&' : '?', room) : -1;
+    if (length < 0 || (size_t)length >= size) snprintf(roomy, size, "%s", url);
+}
+
 bool line_open(line_t* line, lcm_msg_handler_t received, void* context, char* error, size_t error_size) {
-    line->lcm = lcm_create(line->url);
+    char url[1024];
+    with_room(url_in_use(line->url), url, sizeof url);
+    line->lcm = lcm_create(url);
     if (line->lcm == NULL) {
         snprintf(error, error_size,
                  "no LCM on %s; for UDP multicast the machine needs a route, e.g. ip route add 224.0.0.0/4 dev lo",

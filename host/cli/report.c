@@ -310,6 +310,7 @@ bool report_flight_table(FILE* out, const void* report) {
     const report_flight_t* flight = report;
     const lcm_ssv_plan_t* plan = flight->plan.plan;
     const lcm_ssv_execution_t* end = flight->end;
+    report_leg_t all = {true, end->outcome == LCM_SSV_EXECUTION_T_OUTCOME_DOCKED, end->flown_s, end->impulse_Ns, 0};
     fprintf(out, "%s: %s", base_name(flight->plan.path), name_of(&names_outcome, end->outcome));
     if (end->outcome != LCM_SSV_EXECUTION_T_OUTCOME_DOCKED && end->reason[0] != '\0') fprintf(out, ": %s", end->reason);
     fprintf(out, "\n\n  %-10s %-10s %12s %11s %11s %14s %11s %8s\n", "phase", "leg", "predicted s", "flown s",
@@ -320,7 +321,6 @@ bool report_flight_table(FILE* out, const void* report) {
                   leg->impulse_Ns, &flight->legs[i]);
         all.wait_s += flight->legs[i].wait_s;
     }
-    report_leg_t all = {true, end->outcome == LCM_SSV_EXECUTION_T_OUTCOME_DOCKED, end->flown_s, end->impulse_Ns, 0};
     flown_row(out, "in all", "", plan->quote.time_s, plan->quote.impulse_Ns, &all);
     if (end->num_plans > 1) {
         fprintf(out, "  strayed and was planned anew %d times; the legs are those of the first plan\n",
