@@ -3,9 +3,7 @@
 
 #include <assert.h>
 #include <inttypes.h>
-#include <lcm/lcm.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,51 +12,19 @@
 #include <time.h>
 
 #include "channels.h"
+#include "lcm_ssv_control_t.h"
 #include "lcm_ssv_planner_status_t.h"
+#include "line.h"
 #include "ssv/answer.h"
 #include "ssv/check.h"
 #include "wire/message.h"
-#include "wire/names.h"
 
 #define RESEND_PERIOD_S 0.5
-/// No datagram is larger. liblcm gives the start of one, cut within its channel's name, a negative size.
-#define DATAGRAM_SIZE_MAX 65535
-/// Messages that wait while we look at one; liblcm's own 30 are soon filled by a stranger.
-#define QUEUE_CAPACITY 256
-#define PLANNERS_MAX 64
-/// Status comes once a second: how long to listen for the first one, and after which silence a planner is gone.
-#define LISTEN_S 1.2
-#define SILENCE_S 3.0
+/// A stop is urgent.
+#define STOP_PERIOD_S 0.2
 /// How long a planner may keep its first batch without an answer. Doubled each time that a batch changes hands, so that
 /// one that takes long is answered in the end.
 #define PATIENCE_S 3.0
-#define REFUSALS_SHOWN 3
-
-/// A planner that was heard.
-typedef struct {
-    int64_t planner_id; ///< 0 = whoever hears it, where none was heard
-    int8_t scalar;
-    double heard_s;
-    int failures; ///< batches that it lost
-    int batch;    ///< number of the one that it has, -1 = none
-} heard_t;
-
-/// One connection, and what came over it.
-typedef struct {
-    const ask_target_t* target;
-    lcm_t* lcm;
-    const char* answer_channel;
-    heard_t heard[PLANNERS_MAX];
-    int num_heard;
-    int foreign; ///< messages on the channel that are none of our version
-    int refused; ///< answers to us that were not right
-} line_t;
-
-static double now_s(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static bool draw_id(int64_t* id) {
     *id = 0;
@@ -81,139 +47,9 @@ bool ask_stamp(lcm_ssv_asker_t* asker, char* error, size_t error_size) {
     return true;
 }
 
-static const char* url_in_use(const char* url) {
-    const char* const from_environment = getenv("LCM_DEFAULT_URL");
-    return url != NULL ? url : from_environment != NULL ? from_environment : "udpm://239.255.76.67:7667?ttl=0";
-}
-
-static bool is_wanted(const line_t* line, int8_t scalar) {
-    return line->target->scalar == NULL || strcmp(name_of(&names_scalar, scalar), line->target->scalar) == 0;
-}
-
-/// An answer that is not used. The first few are told; what it holds may steer a terminal.
-static void refuse(line_t* line, char* reason) {
-    tree_make_harmless(reason);
-    if (line->refused++ < REFUSALS_SHOWN) {
-        fprintf(stderr, "ssv: refused an answer on %s, still waiting for a right one: %s\n", line->answer_channel,
-                reason);
-    }
-}
-
-/// What a check leaves open: the scalar that was asked for.
-static bool check_scalar(const line_t* line, const lcm_ssv_answer_t* answer, char reason[SSV_CHECK_REASON_SIZE]) {
-    if (is_wanted(line, answer->planner.scalar)) return true;
-    snprintf(reason, SSV_CHECK_REASON_SIZE, "planner.scalar: %s, but %s was asked for",
-             name_of(&names_scalar, answer->planner.scalar), line->target->scalar);
-    return false;
-}
-
-// The generated decoders may read only what wire_is_message vouches for.
-static bool is_message(const char* type, const lcm_recv_buf_t* datagram) {
-    return datagram->data_size <= DATAGRAM_SIZE_MAX && wire_is_message(type, datagram->data, datagram->data_size);
-}
-
-static void status_received(const lcm_recv_buf_t* datagram, const char* channel, void* context) {
-    (void)channel;
-    line_t* line = context;
-    lcm_ssv_planner_status_t status;
-    if (!is_message("planner_status_t", datagram) ||
-        lcm_ssv_planner_status_t_decode(datagram->data, 0, (int)datagram->data_size, &status) < 0) {
-        return;
-    }
-    int i = 0;
-    while (i < line->num_heard && line->heard[i].planner_id != status.planner.planner_id) i++;
-    if (i < PLANNERS_MAX && status.planner.planner_id != 0) {
-        if (i == line->num_heard) {
-            line->heard[line->num_heard++] =
-                (heard_t){.planner_id = status.planner.planner_id, .scalar = status.planner.scalar, .batch = -1};
-        }
-        line->heard[i].heard_s = now_s();
-    }
-    lcm_ssv_planner_status_t_decode_cleanup(&status);
-}
-
-static void line_close(line_t* line) {
-    lcm_destroy(line->lcm);
-    if (line->refused > REFUSALS_SHOWN) {
-        fprintf(stderr, "ssv: refused %d more answers on %s\n", line->refused - REFUSALS_SHOWN, line->answer_channel);
-    }
-}
-
-/// @param context  what `received` gets; begins with the line.
-static bool line_open(line_t* line, lcm_msg_handler_t received, void* context, char* error, size_t error_size) {
-    line->lcm = lcm_create(line->target->url);
-    if (line->lcm == NULL) {
-        snprintf(error, error_size,
-                 "no LCM on %s; for UDP multicast the machine needs a route, e.g. ip route add 224.0.0.0/4 dev lo",
-                 url_in_use(line->target->url));
-        return false;
-    }
-    lcm_subscription_t* const answers = lcm_subscribe(line->lcm, line->answer_channel, received, context);
-    lcm_subscription_t* const statuses = lcm_subscribe(line->lcm, CHANNEL_STATUS, status_received, line);
-    if (answers == NULL || statuses == NULL) {
-        snprintf(error, error_size, "cannot set up LCM on %s", url_in_use(line->target->url));
-        line_close(line);
-        return false;
-    }
-    lcm_subscription_set_queue_capacity(answers, QUEUE_CAPACITY);
-    lcm_subscription_set_queue_capacity(statuses, QUEUE_CAPACITY);
-    return true;
-}
-
-/// Waits for the next message. @return false with the error set if LCM fails.
-static bool line_wait(line_t* line, double until_s, char* error, size_t error_size) {
-    const double wait_s = fmax(until_s - now_s(), 0);
-    if (lcm_handle_timeout(line->lcm, (int)ceil(1000 * wait_s)) < 0) {
-        snprintf(error, error_size, "LCM cannot receive on %s", url_in_use(line->target->url));
-        return false;
-    }
-    return true;
-}
-
-static bool line_send(line_t* line, const char* channel, const uint8_t* message, int size, char* error,
-                      size_t error_size) {
-    assert(size > 0);
-    if (lcm_publish(line->lcm, channel, message, (unsigned)size) != 0) {
-        snprintf(error, error_size, "LCM cannot send the question on %s", url_in_use(line->target->url));
-        return false;
-    }
-    return true;
-}
-
-/// The first planner of the scalar that is wanted; NULL if none was heard.
-static const heard_t* wanted_planner(const line_t* line) {
-    for (int i = 0; i < line->num_heard; i++) {
-        if (is_wanted(line, line->heard[i].scalar)) return &line->heard[i];
-    }
-    return NULL;
-}
-
-/// Why nobody answered, in a sentence.
-static void tell_silence(const line_t* line, char* error, size_t error_size) {
-    const ask_target_t* target = line->target;
-    const char* const url = url_in_use(target->url);
-    char foreign[160] = "";
-    if (line->foreign > 0) {
-        snprintf(foreign, sizeof foreign,
-                 " (%d messages on %s are of another type: is the planner of another version?)", line->foreign,
-                 line->answer_channel);
-    }
-    if (target->scalar != NULL && wanted_planner(line) == NULL && line->num_heard > 0) {
-        snprintf(error, error_size,
-                 "the planner on %s computes in %s, not in %s; start one that does (ssv-plannerd --version "
-                 "says which), or ask without --scalar",
-                 url, name_of(&names_scalar, line->heard[0].scalar), target->scalar);
-    } else if (target->scalar != NULL && wanted_planner(line) == NULL) {
-        snprintf(error, error_size,
-                 "no planner on %s said within %g s what it computes in, which --scalar waits for; start "
-                 "ssv-plannerd there, or give it more time with --timeout",
-                 url, target->timeout_s);
-    } else {
-        snprintf(error, error_size,
-                 "nobody answered on %s within %g s%s; start ssv-plannerd there, give it more time "
-                 "with --timeout, or ask without --lcm",
-                 url, target->timeout_s, foreign);
-    }
+static line_t line_to(const ask_target_t* target, const char* answer_channel) {
+    return (line_t){
+        .url = target->url, .scalar = target->scalar, .timeout_s = target->timeout_s, .answer_channel = answer_channel};
 }
 
 // ---- A plan ---------------------------------------------------------------------------------------------------------
@@ -235,19 +71,19 @@ static void plan_received(const lcm_recv_buf_t* datagram, const char* channel, v
     lcm_ssv_plan_t plan;
     char reason[SSV_CHECK_REASON_SIZE];
     if (wait->answered) return;
-    if (!is_message("plan_t", datagram) ||
+    if (!line_is_message("plan_t", datagram) ||
         lcm_ssv_plan_t_decode(datagram->data, 0, (int)datagram->data_size, &plan) < 0) {
         wait->line.foreign++;
         return;
     }
     if (wait->sent && is_for(&plan.answer.asker, &wait->question->asker)) {
         wait->answered =
-            ssv_check_plan(wait->question, &plan, reason) && check_scalar(&wait->line, &plan.answer, reason);
+            ssv_check_plan(wait->question, &plan, reason) && line_check_scalar(&wait->line, &plan.answer, reason);
         if (wait->answered) {
             *wait->answer = plan;
             return;
         }
-        refuse(&wait->line, reason);
+        line_refuse(&wait->line, reason);
     }
     lcm_ssv_plan_t_decode_cleanup(&plan);
 }
@@ -255,39 +91,192 @@ static void plan_received(const lcm_recv_buf_t* datagram, const char* channel, v
 static bool exchange_plan(plan_wait_t* wait, lcm_ssv_scenario_t* question, char* error, size_t error_size) {
     static uint8_t message[1024];
     line_t* line = &wait->line;
-    double deadline_s = now_s() + line->target->timeout_s, send_at_s = 0;
-    if (line->target->scalar != NULL) {
-        while (wanted_planner(line) == NULL && now_s() < deadline_s) {
-            if (!line_wait(line, deadline_s, error, error_size)) return false;
+    double deadline_s = line_now_s() + line->timeout_s, send_at_s = 0;
+    if (line->scalar != NULL) {
+        while (line_first_wanted(line) == NULL && line_now_s() < deadline_s) {
+            if (!line_wait(line, deadline_s, -1, error, error_size)) return false;
         }
-        if (wanted_planner(line) == NULL) {
-            tell_silence(line, error, error_size);
+        if (line_first_wanted(line) == NULL) {
+            line_tell_silence(line, error, error_size);
             return false;
         }
-        question->asker.planner_id = wanted_planner(line)->planner_id;
-        deadline_s = now_s() + line->target->timeout_s;
+        question->asker.planner_id = line_first_wanted(line)->planner_id;
+        deadline_s = line_now_s() + line->timeout_s;
     }
     const int size = lcm_ssv_scenario_t_encode(message, 0, sizeof message, question);
     wait->sent = true;
-    for (double t_s = now_s(); !wait->answered && t_s < deadline_s; t_s = now_s()) {
+    for (double t_s = line_now_s(); !wait->answered && t_s < deadline_s; t_s = line_now_s()) {
         if (t_s >= send_at_s) {
             if (!line_send(line, CHANNEL_SCENARIO, message, size, error, error_size)) return false;
             send_at_s = t_s + RESEND_PERIOD_S;
         }
-        if (!line_wait(line, fmin(send_at_s, deadline_s), error, error_size)) return false;
+        if (!line_wait(line, fmin(send_at_s, deadline_s), -1, error, error_size)) return false;
     }
-    if (!wait->answered) tell_silence(line, error, error_size);
+    if (!wait->answered) line_tell_silence(line, error, error_size);
     return wait->answered;
 }
 
 bool ask_plan(const ask_target_t* target, lcm_ssv_scenario_t* question, lcm_ssv_plan_t* answer, char* error,
               size_t error_size) {
-    plan_wait_t wait = {
-        .line = {.target = target, .answer_channel = CHANNEL_PLAN}, .question = question, .answer = answer};
+    plan_wait_t wait = {.line = line_to(target, CHANNEL_PLAN), .question = question, .answer = answer};
     if (!line_open(&wait.line, plan_received, &wait, error, error_size)) return false;
     const bool answered = exchange_plan(&wait, question, error, error_size);
     line_close(&wait.line);
     return answered;
+}
+
+// ---- A flight -------------------------------------------------------------------------------------------------------
+
+typedef struct {
+    plan_wait_t plan; ///< begins with the line
+    const ask_flight_t* flight;
+    lcm_ssv_execution_t* news; ///< the newest; all zero before the first
+    double heard_s;
+    ask_wish_t wish;
+} flight_wait_t;
+
+/// Whether the numbers are some, and name what there is.
+static bool is_sound(const lcm_ssv_execution_t* news) {
+    const double sum = news->time_s + news->flown_s + news->plan_time_s + news->plan_duration_s + news->clock_rate +
+                       news->impulse_Ns + news->behind_m + news->beside_m + news->angle_rad + news->goal_distance_m +
+                       news->goal_angle_rad + news->link_silence_s;
+    return isfinite(sum) && news->state >= 0 && news->state <= LCM_SSV_EXECUTION_T_STATE_ENDED && news->outcome >= 0 &&
+           news->outcome <= LCM_SSV_EXECUTION_T_OUTCOME_SILENT && news->goal >= 0 &&
+           news->goal <= LCM_SSV_EXECUTION_T_GOAL_DOCK;
+}
+
+static bool has_ended(const flight_wait_t* wait) { return wait->news->state == LCM_SSV_EXECUTION_T_STATE_ENDED; }
+
+static ask_wish_t turn(const flight_wait_t* wait, const lcm_ssv_execution_t* news) {
+    return wait->flight->turn(wait->plan.answered ? wait->plan.answer : NULL, news, wait->flight->context);
+}
+
+static void execution_received(const lcm_recv_buf_t* datagram, const char* channel, void* context) {
+    (void)channel;
+    flight_wait_t* wait = context;
+    const lcm_ssv_asker_t* asker = &wait->plan.question->asker;
+    lcm_ssv_execution_t news;
+    if (!line_is_message("execution_t", datagram) ||
+        lcm_ssv_execution_t_decode(datagram->data, 0, (int)datagram->data_size, &news) < 0) {
+        return;
+    }
+    if (!is_for(&news.answer.asker, asker) || news.answer.planner.planner_id != asker->planner_id || !is_sound(&news) ||
+        has_ended(wait)) {
+        lcm_ssv_execution_t_decode_cleanup(&news);
+        return;
+    }
+    tree_make_harmless(news.reason);
+    tree_make_harmless(news.text);
+    wire_clear("execution_t", wait->news);
+    *wait->news = news;
+    wait->heard_s = line_now_s();
+    wait->wish = turn(wait, wait->news);
+}
+
+/// The one planner that hears its vehicle. With two of them nobody can know which vehicle is meant.
+static bool find_vehicle(line_t* line, int64_t* planner_id, char* error, size_t error_size) {
+    const double start_s = line_now_s(), deadline_s = start_s + line->timeout_s;
+    int found = 0, deaf = 0;
+    for (double t_s = start_s; t_s < deadline_s && (found == 0 || t_s < start_s + LINE_LISTEN_S); t_s = line_now_s()) {
+        if (!line_wait(line, t_s + LINE_LISTEN_S / 4, -1, error, error_size)) return false;
+        found = deaf = 0;
+        for (int i = 0; i < line->num_heard; i++) {
+            if (!line_wants(line, line->heard[i].scalar)) continue;
+            const bool hears = line->heard[i].link == LCM_SSV_PLANNER_STATUS_T_LINK_HEARD;
+            if (hears) *planner_id = line->heard[i].planner_id;
+            found += hears;
+            deaf += !hears;
+        }
+    }
+    if (found > 1) {
+        snprintf(
+            error, error_size,
+            "%d planners hear a vehicle, and a task must be flown by one; ask on a bus with one of them (--lcm URL)",
+            found);
+    } else if (found == 0 && deaf > 0) {
+        snprintf(error, error_size, "none of the planners that answer (%d) hears a vehicle; see ssv-plannerd --link",
+                 deaf);
+    } else if (found == 0) {
+        line_tell_silence(line, error, error_size);
+    }
+    return found == 1;
+}
+
+static bool send_stop(flight_wait_t* wait, char* error, size_t error_size) {
+    uint8_t message[64];
+    const lcm_ssv_asker_t* asker = &wait->plan.question->asker;
+    const lcm_ssv_control_t stop = {asker->planner_id, asker->request_id, LCM_SSV_CONTROL_T_COMMAND_STOP};
+    const int size = lcm_ssv_control_t_encode(message, 0, sizeof message, &stop);
+    return line_send(&wait->plan.line, CHANNEL_CONTROL, message, size, error, error_size);
+}
+
+static bool exchange_flight(flight_wait_t* wait, char* error, size_t error_size) {
+    static uint8_t message[1024];
+    const ask_flight_t* flight = wait->flight;
+    line_t* line = &wait->plan.line;
+    const int size = lcm_ssv_scenario_t_encode(message, 0, sizeof message, wait->plan.question);
+    double send_at_s = 0, stop_at_s = 0;
+    bool is_other = false;
+    wait->plan.sent = true;
+    wait->heard_s = line_now_s();
+    while (!wait->plan.answered || !has_ended(wait)) {
+        const double t_s = line_now_s();
+        wait->wish = turn(wait, NULL);
+        is_other = wait->plan.answered && flight->plan_hash != 0 && wait->plan.answer->plan_hash != flight->plan_hash;
+        if (wait->wish == ASK_LEAVE) {
+            snprintf(error, error_size, "left the flight to itself");
+            return false;
+        }
+        if (wait->plan.answered && wait->plan.answer->quote.status != LCM_SSV_QUOTE_T_STATUS_OK) return true;
+        const bool asks = wait->wish == ASK_GO_ON || has_ended(wait);
+        if (!wait->plan.answered && asks && t_s >= send_at_s) {
+            if (!line_send(line, CHANNEL_EXECUTE, message, size, error, error_size)) return false;
+            send_at_s = t_s + RESEND_PERIOD_S;
+        }
+        if ((wait->wish == ASK_STOP || is_other) && t_s >= stop_at_s) {
+            if (!send_stop(wait, error, error_size)) return false;
+            stop_at_s = t_s + STOP_PERIOD_S;
+        }
+        if (t_s - wait->heard_s > line->timeout_s) {
+            if (wait->plan.answered) {
+                snprintf(error, error_size, "the planner has told nothing of the flight for %g s", line->timeout_s);
+            } else {
+                line_tell_silence(line, error, error_size);
+            }
+            return false;
+        }
+        if (!line_wait(line, t_s + STOP_PERIOD_S, flight->wake_fd, error, error_size)) return false;
+    }
+    if (is_other) {
+        snprintf(error, error_size,
+                 "the planner's plan %016" PRIx64 " is not the one that is planned here, %016" PRIx64
+                 ": is it of another version? The flight was stopped",
+                 (uint64_t)wait->plan.answer->plan_hash, (uint64_t)flight->plan_hash);
+    }
+    return !is_other;
+}
+
+bool ask_flight(const ask_target_t* target, const ask_flight_t* flight, lcm_ssv_scenario_t* question,
+                lcm_ssv_plan_t* answer, lcm_ssv_execution_t* end, char* error, size_t error_size) {
+    flight_wait_t wait = {
+        .plan = {.line = line_to(target, CHANNEL_PLAN), .question = question, .answer = answer},
+        .flight = flight,
+        .news = end,
+    };
+    line_t* line = &wait.plan.line;
+    *end = (lcm_ssv_execution_t){0};
+    question->asker.planner_id = flight->planner_id;
+    if (!line_open(line, plan_received, &wait, error, error_size)) return false;
+    const bool flown =
+        line_hear(line, CHANNEL_EXECUTION, execution_received, &wait, error, error_size) &&
+        (flight->planner_id != 0 || find_vehicle(line, &question->asker.planner_id, error, error_size)) &&
+        exchange_flight(&wait, error, error_size);
+    line_close(line);
+    if (!flown) {
+        wire_clear("execution_t", end);
+        if (wait.plan.answered) lcm_ssv_plan_t_decode_cleanup(answer);
+    }
+    return flown;
 }
 
 // ---- Prices ---------------------------------------------------------------------------------------------------------
@@ -314,14 +303,14 @@ typedef struct {
     void* context;
 } deal_t;
 
-#define BATCHES_MAX (PLANNERS_MAX + 1)
+#define BATCHES_MAX (LINE_PLANNERS_MAX + 1)
 
 static void quotes_received(const lcm_recv_buf_t* datagram, const char* channel, void* context) {
     (void)channel;
     deal_t* deal = context;
     lcm_ssv_quote_batch_t answer;
     char reason[SSV_CHECK_REASON_SIZE];
-    if (!is_message("quote_batch_t", datagram) ||
+    if (!line_is_message("quote_batch_t", datagram) ||
         lcm_ssv_quote_batch_t_decode(datagram->data, 0, (int)datagram->data_size, &answer) < 0) {
         deal->line.foreign++;
         return;
@@ -330,13 +319,13 @@ static void quotes_received(const lcm_recv_buf_t* datagram, const char* channel,
         batch_t* batch = &deal->batch[i];
         if (!batch->is_open || !is_for(&answer.answer.asker, &batch->question.asker)) continue;
         if (!ssv_check_quotes(&batch->question, batch->question_hash, &answer, reason) ||
-            !check_scalar(&deal->line, &answer.answer, reason)) {
-            refuse(&deal->line, reason);
+            !line_check_scalar(&deal->line, &answer.answer, reason)) {
+            line_refuse(&deal->line, reason);
             break;
         }
         memcpy(&deal->quotes[batch->first], answer.quotes, (size_t)answer.num_quotes * sizeof *answer.quotes);
         deal->priced += answer.num_quotes;
-        deal->progress_s = now_s();
+        deal->progress_s = line_now_s();
         batch->is_open = false;
         for (int k = 0; k < deal->line.num_heard; k++) {
             if (deal->line.heard[k].batch == i) deal->line.heard[k].batch = -1; // the place may be another's next
@@ -353,7 +342,7 @@ static bool hand_out(deal_t* deal, batch_t* batch, int64_t planner_id, char* err
     if (!ask_stamp(&batch->question.asker, error, error_size)) return false;
     batch->question.asker.epoch_us = deal->epoch_us;
     batch->question.asker.planner_id = planner_id;
-    batch->dealt_s = now_s();
+    batch->dealt_s = line_now_s();
     batch->send_at_s = 0;
     return true;
 }
@@ -367,12 +356,12 @@ static bool send_batch(deal_t* deal, batch_t* batch, double t_s, char* error, si
 }
 
 /// The planner without a batch that failed least; NULL if there is none.
-static heard_t* idle_planner(deal_t* deal, double t_s) {
-    heard_t* best = NULL;
+static line_planner_t* idle_planner(deal_t* deal, double t_s) {
+    line_planner_t* best = NULL;
     for (int i = 0; i < deal->line.num_heard; i++) {
-        heard_t* planner = &deal->line.heard[i];
-        if (planner->batch < 0 && is_wanted(&deal->line, planner->scalar) && t_s - planner->heard_s <= SILENCE_S &&
-            (best == NULL || planner->failures < best->failures)) {
+        line_planner_t* planner = &deal->line.heard[i];
+        if (planner->batch < 0 && line_wants(&deal->line, planner->scalar) &&
+            t_s - planner->heard_s <= LINE_SILENCE_S && (best == NULL || planner->failures < best->failures)) {
             best = planner;
         }
     }
@@ -382,13 +371,14 @@ static heard_t* idle_planner(deal_t* deal, double t_s) {
 static int planners_there(const deal_t* deal, double t_s) {
     int there = 0;
     for (int i = 0; i < deal->line.num_heard; i++) {
-        there += is_wanted(&deal->line, deal->line.heard[i].scalar) && t_s - deal->line.heard[i].heard_s <= SILENCE_S;
+        there +=
+            line_wants(&deal->line, deal->line.heard[i].scalar) && t_s - deal->line.heard[i].heard_s <= LINE_SILENCE_S;
     }
     return there;
 }
 
 /// The next scenarios as a batch for this planner: at most half of its share of what is left, so that all end at once.
-static bool deal_next(deal_t* deal, heard_t* planner, int planners, double t_s, char* error, size_t error_size) {
+static bool deal_next(deal_t* deal, line_planner_t* planner, int planners, double t_s, char* error, size_t error_size) {
     int i = 0;
     while (deal->batch[i].is_open) i++;
     const int rest = deal->count - deal->dealt, parts = planners > 1 ? 2 * planners : 1;
@@ -405,14 +395,14 @@ static bool deal_next(deal_t* deal, heard_t* planner, int planners, double t_s, 
 /// Whoever has had this batch for too long loses it, if another can take it.
 static bool move_on(deal_t* deal, int number, double t_s, char* error, size_t error_size) {
     batch_t* batch = &deal->batch[number];
-    heard_t* holder = NULL;
+    line_planner_t* holder = NULL;
     for (int i = 0; i < deal->line.num_heard; i++) {
         if (deal->line.heard[i].batch == number) holder = &deal->line.heard[i];
     }
     const double patience_s = PATIENCE_S * (1 << (batch->moves < 10 ? batch->moves : 10));
-    const bool is_gone = holder != NULL && t_s - holder->heard_s > SILENCE_S;
+    const bool is_gone = holder != NULL && t_s - holder->heard_s > LINE_SILENCE_S;
     if (holder == NULL || (!is_gone && t_s - batch->dealt_s < patience_s)) return true;
-    heard_t* const next = idle_planner(deal, t_s);
+    line_planner_t* const next = idle_planner(deal, t_s);
     if (next == NULL) return true;
     holder->failures++;
     holder->batch = -1;
@@ -423,9 +413,9 @@ static bool move_on(deal_t* deal, int number, double t_s, char* error, size_t er
 
 /// One round over all batches. @return when the next one is due, or a negative time with the error set.
 static double deal_round(deal_t* deal, double start_s, char* error, size_t error_size) {
-    const double t_s = now_s();
+    const double t_s = line_now_s();
     const int there = planners_there(deal, t_s);
-    const bool to_anyone = deal->line.target->scalar == NULL && there == 0;
+    const bool to_anyone = deal->line.scalar == NULL && there == 0;
     double next_s = t_s + RESEND_PERIOD_S;
     bool sound = true;
     int open = 0;
@@ -437,12 +427,12 @@ static double deal_round(deal_t* deal, double start_s, char* error, size_t error
                 (t_s < batch->send_at_s || send_batch(deal, batch, t_s, error, error_size));
         next_s = fmin(next_s, batch->send_at_s);
     }
-    for (heard_t* planner; sound && deal->dealt < deal->count && (planner = idle_planner(deal, t_s)) != NULL;) {
+    for (line_planner_t* planner; sound && deal->dealt < deal->count && (planner = idle_planner(deal, t_s)) != NULL;) {
         sound = deal_next(deal, planner, there, t_s, error, error_size);
         open++;
     }
     if (sound && to_anyone && open == 0 && deal->dealt < deal->count) {
-        const double from_s = deal->count <= SSV_MAX_BATCH ? start_s : start_s + LISTEN_S;
+        const double from_s = deal->count <= SSV_MAX_BATCH ? start_s : start_s + LINE_LISTEN_S;
         if (t_s >= from_s) sound = deal_next(deal, NULL, 1, t_s, error, error_size);
         next_s = t_s < from_s ? fmin(next_s, from_s) : next_s;
     }
@@ -450,14 +440,14 @@ static double deal_round(deal_t* deal, double start_s, char* error, size_t error
 }
 
 static bool exchange_quotes(deal_t* deal, char* error, size_t error_size) {
-    const double start_s = now_s();
+    const double start_s = line_now_s();
     deal->progress_s = start_s;
     while (deal->priced < deal->count) {
         const double next_s = deal_round(deal, start_s, error, error_size);
-        const double deadline_s = deal->progress_s + deal->line.target->timeout_s;
-        if (next_s < 0 || !line_wait(&deal->line, fmin(next_s, deadline_s), error, error_size)) return false;
-        if (now_s() >= deal->progress_s + deal->line.target->timeout_s && deal->priced < deal->count) {
-            tell_silence(&deal->line, error, error_size);
+        const double deadline_s = deal->progress_s + deal->line.timeout_s;
+        if (next_s < 0 || !line_wait(&deal->line, fmin(next_s, deadline_s), -1, error, error_size)) return false;
+        if (line_now_s() >= deal->progress_s + deal->line.timeout_s && deal->priced < deal->count) {
+            line_tell_silence(&deal->line, error, error_size);
             return false;
         }
     }
@@ -470,7 +460,7 @@ bool ask_quotes(const ask_target_t* target, const lcm_ssv_scenario_t* scenarios,
     lcm_ssv_asker_t asker;
     memset(batches, 0, sizeof batches);
     memset(quotes, 0, (size_t)count * sizeof *quotes);
-    deal_t deal = {.line = {.target = target, .answer_channel = CHANNEL_QUOTES},
+    deal_t deal = {.line = line_to(target, CHANNEL_QUOTES),
                    .scenarios = calloc((size_t)count, sizeof *scenarios),
                    .count = count,
                    .quotes = quotes,

@@ -1,6 +1,6 @@
-/// Asks running planners over LCM: a plan of one of them, or prices of all that are there.
+/// Asks running planners over LCM: a plan of one of them, prices of all that are there, or that one flies a task.
 ///
-/// The bus is open to strangers. What comes is looked at as bytes first (wire_is_message), then whether it is for us,
+/// The bus is open to strangers. What comes is looked at as bytes first, then whether it is for us,
 /// then whether it can be the answer to what was asked (ssv/check.h). What fails is refused with a line on standard
 /// error, a few at most and then a count, and the right answer is still awaited.
 #ifndef SSV_ASK_H
@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "lcm_ssv_execution_t.h"
 #include "lcm_ssv_plan_t.h"
 #include "lcm_ssv_quote_t.h"
 #include "lcm_ssv_scenario_t.h"
@@ -31,6 +32,30 @@ bool ask_stamp(lcm_ssv_asker_t* asker, char* error, size_t error_size);
 /// @return true; or false with a sentence in `error`: no transport, no planner of the scalar, or no answer in time.
 bool ask_plan(const ask_target_t* target, lcm_ssv_scenario_t* question, lcm_ssv_plan_t* answer, char* error,
               size_t error_size);
+
+/// What whoever had a task flown wants next.
+typedef enum {
+    ASK_GO_ON,
+    ASK_STOP, ///< the vehicle brakes, and the flight ends
+    ASK_LEAVE ///< without waiting for its end
+} ask_wish_t;
+
+typedef struct {
+    int64_t planner_id; ///< that flies; 0 for the one planner on the bus that hears its vehicle
+    int64_t plan_hash;  ///< of the plan that is to be flown: another one is stopped; 0 for any
+    int wake_fd;        ///< `turn` is called when it can be read, too; -1 for none
+    /// Called with what each message tells, and without news at least five times a second. `plan` is NULL until it has
+    /// been answered.
+    ask_wish_t (*turn)(const lcm_ssv_plan_t* plan, const lcm_ssv_execution_t* news, void* context);
+    void* context;
+} ask_flight_t;
+
+/// Has a planner fly the task: asks on SSV_EXECUTE as ask_plan does, and follows the flight to its end.
+/// @param answer  the plan, or the planner's refusal, after which nothing is flown; as of ask_plan.
+/// @param end     the last that was told, `state` being STATE_ENDED after a flight; freed with wire_clear.
+/// @return true; or false with a sentence in `error` and neither of the two written.
+bool ask_flight(const ask_target_t* target, const ask_flight_t* flight, lcm_ssv_scenario_t* question,
+                lcm_ssv_plan_t* answer, lcm_ssv_execution_t* end, char* error, size_t error_size);
 
 /// Likewise the prices of any number of scenarios (their own asker means nothing), in batches of at most SSV_MAX_BATCH.
 /// What fits one batch goes to whoever is there. More is dealt to the planners that are heard, one batch at a time

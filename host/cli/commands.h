@@ -10,6 +10,8 @@ enum {
     EXIT_INFEASIBLE = 3, ///< the scenario is sound, but there is no plan
     EXIT_NO_ANSWER = 4,  ///< nobody answered over LCM
     EXIT_OVERFLOW = 5,   ///< the scenario is sound, but a number does not fit the planner's scalar
+    EXIT_MISSED = 6,     ///< flown, but mate or dock did not succeed
+    EXIT_ABORTED = 7,    ///< the flight ended before: stopped, strayed, refused, or the vehicle fell silent
     EXIT_USAGE = 64      ///< wrong arguments (sysexits.h, argp)
 };
 
@@ -21,5 +23,8 @@ int quote_command(int argc, char** argv);
 
 /// `ssv scenario`: reads a scenario file and shows the question as understood, every default filled in.
 int scenario_command(int argc, char** argv);
+
+/// `ssv fly`: reads a scenario file and has its task flown, in simulation or by a real vehicle; compares with the plan.
+int fly_command(int argc, char** argv);
 
 #endif

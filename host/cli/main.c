@@ -13,6 +13,7 @@ static const struct {
 } commands[] = {
     {"plan", plan_command},
     {"quote", quote_command},
+    {"fly", fly_command},
     {"scenario", scenario_command},
 };
 
@@ -22,6 +23,7 @@ static const char doc[] =
     "\vCommands:\n"
     "  plan      plan one task, described by a scenario file\n"
     "  quote     what tasks cost, side by side, without their plans\n"
+    "  fly       have a task flown, in simulation or by a real vehicle\n"
     "  scenario  the question as understood, every default filled in\n"
     "\n"
     "`ssv COMMAND --help` tells about a command.";
@@ -38,7 +40,7 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
             state->next = state->argc; // the rest is the command's
             (void)argument;
             return 0;
-        case ARGP_KEY_NO_ARGS: argp_error(state, "which command? There are: plan, quote, scenario"); return 0;
+        case ARGP_KEY_NO_ARGS: argp_error(state, "which command? There are: plan, quote, fly, scenario"); return 0;
         default: return ARGP_ERR_UNKNOWN;
     }
 }
@@ -55,7 +57,8 @@ int main(int argc, char** argv) {
         }
     }
     fprintf(stderr,
-            "ssv: there is no command '%s'. There are: plan, quote, scenario\nTry `ssv --help' for more information.\n",
+            "ssv: there is no command '%s'. There are: plan, quote, fly, scenario\nTry `ssv --help' for more "
+            "information.\n",
             rest[0]);
     return EXIT_USAGE;
 }

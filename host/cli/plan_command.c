@@ -3,6 +3,7 @@
 #include "ask.h"
 #include "commands.h"
 #include "output.h"
+#include "plan_command.h"
 #include "report.h"
 #include "ssv/answer.h"
 #include "task_options.h"
@@ -73,9 +74,8 @@ static int conclude(const task_options_t* options, const lcm_ssv_scenario_t* que
     return written ? exit_code(answer) : EXIT_FAILED;
 }
 
-/// Likewise, a refusal in words of the file.
-static int explain(const task_options_t* options, const scenario_file_t* file, const lcm_ssv_scenario_t* question,
-                   const lcm_ssv_plan_t* answer) {
+int plan_show(const task_options_t* options, const scenario_file_t* file, const lcm_ssv_scenario_t* question,
+              const lcm_ssv_plan_t* answer) {
     char reason[1024];
     lcm_ssv_plan_t explained = *answer;
     snprintf(reason, sizeof reason, "%s", answer->quote.reason);
@@ -88,18 +88,22 @@ static int explain(const task_options_t* options, const scenario_file_t* file, c
     return conclude(options, question, &explained);
 }
 
+int plan_refused(const task_options_t* options, char* reason) {
+    const lcm_ssv_plan_t refused = {.quote = {.status = LCM_SSV_QUOTE_T_STATUS_INVALID, .reason = reason}};
+    return conclude(options, NULL, &refused);
+}
+
 int plan_command(int argc, char** argv) {
     task_options_t options;
-    task_options_parse(&options, doc, 1, true, argc, argv);
+    task_options_parse(&options, doc, 1, TASK_ANSWERED, argc, argv);
 
     char error[1024];
     scenario_file_t file;
     lcm_ssv_scenario_t question;
     int code = EXIT_NO_ANSWER;
     if (!task_read(&options, options.paths[0], &file, &question, error, sizeof error)) {
-        const lcm_ssv_plan_t refused = {.quote = {.status = LCM_SSV_QUOTE_T_STATUS_INVALID, .reason = error}};
         scenario_file_close(&file);
-        return conclude(&options, &question, &refused);
+        return plan_refused(&options, error);
     }
     if (!ask_stamp(&question.asker, error, sizeof error)) {
         fprintf(stderr, "ssv: %s\n", error);
@@ -111,12 +115,12 @@ int plan_command(int argc, char** argv) {
         static ssv_answer_t answer;
         const lcm_ssv_planner_t planner = ssv_planner_identity(question.asker.asker_id); // asker and planner in one
         ssv_answer(&question, &planner, &answer);
-        code = explain(&options, &file, &question, &answer.wire);
+        code = plan_show(&options, &file, &question, &answer.wire);
     } else {
         lcm_ssv_plan_t answer;
         const ask_target_t target = {options.lcm_url, options.scalar, options.timeout_s};
         if (ask_plan(&target, &question, &answer, error, sizeof error)) {
-            code = explain(&options, &file, &question, &answer);
+            code = plan_show(&options, &file, &question, &answer);
             lcm_ssv_plan_t_decode_cleanup(&answer);
         } else {
             fprintf(stderr, "ssv: %s\n", error);

@@ -166,7 +166,7 @@ int quote_command(int argc, char** argv) {
     task_options_t options;
     char error[1024];
     lcm_ssv_asker_t asker;
-    task_options_parse(&options, doc, INT_MAX, true, argc, argv);
+    task_options_parse(&options, doc, INT_MAX, TASK_ANSWERED, argc, argv);
     const size_t most = (size_t)options.num_paths;
     task_t* const tasks = calloc(most, sizeof *tasks);
     lcm_ssv_scenario_t* const scenarios = calloc(most, sizeof *scenarios);

@@ -234,3 +234,119 @@ bool report_quotes_table(FILE* out, const void* report) {
     }
     return true;
 }
+
+// ---- A flight -------------------------------------------------------------------------------------------------------
+
+static json_t* leg_json(const lcm_ssv_leg_t* leg, const report_leg_t* flown) {
+    json_t* const json =
+        json_pack("{s:{s:f,s:f}}", "predicted", "time_s", leg->duration_s, "impulse_Ns", leg->impulse_Ns);
+    json_t* const part = flown->begun ? json_pack("{s:f,s:f,s:f,s:b}", "time_s", flown->time_s, "wait_s", flown->wait_s,
+                                                  "impulse_Ns", flown->impulse_Ns, "ended", flown->ended)
+                                      : json_null();
+    if (json_object_set_new(json, "flown", part) != 0) {
+        json_decref(json);
+        return NULL;
+    }
+    return json;
+}
+
+bool report_flight_json(FILE* out, const void* report) {
+    const report_flight_t* flight = report;
+    const lcm_ssv_plan_t* plan = flight->plan.plan;
+    json_t* const legs = json_array();
+    bool complete = legs != NULL;
+    for (int i = 0; i < plan->num_legs && complete; i++) {
+        complete = json_array_append_new(legs, leg_json(&plan->legs[i], &flight->legs[i])) == 0;
+    }
+    json_t* const json = json_object();
+    complete =
+        complete && json_object_set_new(json, "scenario", wire_to_json("scenario_t", flight->plan.question)) == 0;
+    complete = complete && json_object_set_new(json, "plan", wire_to_json("plan_t", plan)) == 0;
+    complete = complete && json_object_set_new(json, "execution", wire_to_json("execution_t", flight->end)) == 0;
+    complete = complete && json_object_set(json, "legs", legs) == 0;
+    if (complete && flight->truth != NULL) {
+        complete = json_object_set_new(json, "simulation",
+                                       json_pack("{s:s?,s:s,s:O}", "conditions", flight->conditions, "seed",
+                                                 flight->seed, "truth", flight->truth)) == 0;
+    }
+    complete = complete && json_object_set_new(json, "news_lost", json_integer(flight->news_lost)) == 0;
+    complete = complete && json_object_set_new(json, "wall_s", json_real(flight->wall_s)) == 0;
+    json_decref(legs);
+    if (!complete) {
+        json_decref(json);
+        return false;
+    }
+    return wire_json_write(out, json);
+}
+
+static void flown_row(FILE* out, const char* phase, const char* kind, double time_s, double impulse_Ns,
+                      const report_leg_t* flown) {
+    fprintf(out, "  %-10s %-10s %12.3f", phase, kind, time_s);
+    if (flown->begun) {
+        fprintf(out, " %11.3f %11.3f %14.3f %11.3f %+8.1f%s\n", flown->time_s, flown->wait_s, impulse_Ns,
+                flown->impulse_Ns, 100 * (flown->impulse_Ns / impulse_Ns - 1), flown->ended ? "" : "  not to its end");
+    } else {
+        fprintf(out, " %11s %11s %14.3f %11s\n", "-", "-", impulse_Ns, "-");
+    }
+}
+
+static double number_of(const json_t* json, const char* key) { return json_number_value(json_object_get(json, key)); }
+
+/// How the last attempt to mate or dock went, by the simulator's truth.
+static void attempt_line(FILE* out, const json_t* truth, const char* name) {
+    const json_t* attempt = json_object_get(truth, name);
+    const int attempts = (int)number_of(attempt, "attempts");
+    if (attempts == 0) {
+        fprintf(out, "  %s: not tried\n", name);
+        return;
+    }
+    const char* const outcome = json_string_value(json_object_get(attempt, "outcome"));
+    fprintf(out, "  %s: %.1f mm and %.2f deg off at %.1f mm/s: %s, attempt %d at %.1f s\n", name,
+            1e3 * number_of(attempt, "position_m"), DEG_PER_RAD * number_of(attempt, "angle_rad"),
+            1e3 * number_of(attempt, "speed_m_s"), outcome == NULL ? "" : outcome, attempts, number_of(attempt, "t_s"));
+}
+
+bool report_flight_table(FILE* out, const void* report) {
+    const report_flight_t* flight = report;
+    const lcm_ssv_plan_t* plan = flight->plan.plan;
+    const lcm_ssv_execution_t* end = flight->end;
+    report_leg_t all = {true, end->outcome == LCM_SSV_EXECUTION_T_OUTCOME_DOCKED, end->flown_s, end->impulse_Ns, 0};
+    fprintf(out, "%s: %s", base_name(flight->plan.path), name_of(&names_outcome, end->outcome));
+    if (end->outcome != LCM_SSV_EXECUTION_T_OUTCOME_DOCKED && end->reason[0] != '\0') fprintf(out, ": %s", end->reason);
+    fprintf(out, "\n\n  %-10s %-10s %12s %11s %11s %14s %11s %8s\n", "phase", "leg", "predicted s", "flown s",
+            "of it wait", "predicted N s", "flown N s", "%");
+    for (int i = 0; i < plan->num_legs; i++) {
+        const lcm_ssv_leg_t* leg = &plan->legs[i];
+        flown_row(out, name_of(&names_phase, leg->phase), name_of(&names_kind, leg->kind), leg->duration_s,
+                  leg->impulse_Ns, &flight->legs[i]);
+        all.wait_s += flight->legs[i].wait_s;
+    }
+    flown_row(out, "in all", "", plan->quote.time_s, plan->quote.impulse_Ns, &all);
+    if (end->num_plans > 1) {
+        fprintf(out, "  strayed and was planned anew %d times; the legs are those of the first plan\n",
+                end->num_plans - 1);
+    }
+    fputc('\n', out);
+    if (flight->truth != NULL) {
+        attempt_line(out, flight->truth, "mate");
+        attempt_line(out, flight->truth, "dock");
+    } else {
+        fprintf(out, "  %d attempts to mate and dock\n", end->attempts);
+    }
+    fprintf(out,
+            "  link: %" PRId64 " frames heard, %" PRId64 " lost, %" PRId64
+            " damaged; of ours the vehicle missed %" PRId64 "\n",
+            end->link_received, end->link_lost, end->link_damaged, end->link_lost_up);
+    if (flight->news_lost > 0) {
+        fprintf(out, "  %d messages about the flight did not arrive: the legs' figures may be a little off\n",
+                flight->news_lost);
+    }
+    if (flight->truth != NULL) {
+        fprintf(out, "  simulated: conditions %s, seed %s; %.1f s in %.2f s, %.0f times real time\n",
+                flight->conditions == NULL ? "none" : flight->conditions, flight->seed, end->time_s, flight->wall_s,
+                end->time_s / flight->wall_s);
+    }
+    fprintf(out, "  plan %016" PRIx64 ", planner %016" PRIx64 "\n", (uint64_t)plan->plan_hash,
+            (uint64_t)plan->answer.planner.planner_id);
+    return true;
+}

@@ -3,9 +3,11 @@
 #ifndef SSV_REPORT_H
 #define SSV_REPORT_H
 
+#include <jansson.h>
 #include <stdbool.h>
 #include <stdio.h>
 
+#include "lcm_ssv_execution_t.h"
 #include "lcm_ssv_plan_t.h"
 #include "lcm_ssv_scenario_t.h"
 #include "ssv/answer.h"
@@ -30,17 +32,37 @@ typedef struct {
     report_quote_t* row;
 } report_quotes_t;
 
-// Each takes a report_plan_t or a report_quotes_t.
+/// How a leg of a plan was flown.
+typedef struct {
+    bool begun, ended;
+    double time_s, impulse_Ns; ///< so far
+    double wait_s;             ///< of that time, while the plan's clock stood: before mate and dock, or in a pause
+} report_leg_t;
+
+typedef struct {
+    report_plan_t plan; ///< that was flown
+    const lcm_ssv_execution_t* end;
+    const report_leg_t* legs; ///< one for each of the plan
+    int news_lost;            ///< messages of the flight that did not arrive
+    double wall_s;            ///< how long it took, by the clock on the wall
+    const json_t* truth;      ///< what the simulator says; NULL where there is none, as are the next two
+    const char* conditions;
+    const char* seed;
+} report_flight_t;
+
+// Each takes a report_plan_t, a report_quotes_t or a report_flight_t.
 
 /// Writes one JSON object; numbers have 17 digits, so reading them gives the same doubles. An answer with
 /// STATUS_INVALID is shown by its status and reason alone, with the question otherwise.
 /// @return false if the answer holds a number that is not finite, which JSON has no word for, or out of memory.
 bool report_plan_json(FILE* out, const void* plan);
 bool report_quotes_json(FILE* out, const void* quotes);
+bool report_flight_json(FILE* out, const void* flight);
 
 /// Writes tables at most 120 columns wide, those of quotes if no path is longer than 43. A plan with STATUS_INVALID has
 /// none. @return true.
 bool report_plan_table(FILE* out, const void* plan);
 bool report_quotes_table(FILE* out, const void* quotes);
+bool report_flight_table(FILE* out, const void* flight);
 
 #endif

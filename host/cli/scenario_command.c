@@ -103,7 +103,7 @@ static bool report_yaml(FILE* out, const void* question) {
 
 int scenario_command(int argc, char** argv) {
     task_options_t options;
-    task_options_parse(&options, doc, 1, false, argc, argv);
+    task_options_parse(&options, doc, 1, TASK_SHOWN, argc, argv);
     char error[1024];
     scenario_file_t file;
     lcm_ssv_scenario_t question;

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "commands.h"
+#include "processes.h"
 #include "wire/names.h"
 
 #define METHOD_DEFAULT "optimal"
@@ -25,28 +26,44 @@ enum {
     KEY_OUTPUT,
     KEY_TIMEOUT,
     KEY_CANDIDATES,
-    KEY_FRONT
+    KEY_FRONT,
+    KEY_SIM,
+    KEY_CONDITIONS,
+    KEY_SEED,
+    KEY_RATE
 };
 
 // Of the question alone.
-#define QUESTION_OPTIONS                                                                                                 \
-    {"weights", KEY_WEIGHTS, "W1,W2", 0, "Weights of time [1/s] and impulse [1/(N s)] instead of the file's", 0},        \
-        {"method",                                                                                                       \
-         KEY_METHOD,                                                                                                     \
-         "optimal|paper",                                                                                                \
-         0,                                                                                                              \
-         "What decides the free choices, instead of the file's (default " METHOD_DEFAULT ")",                            \
-         0},                                                                                                             \
-        {"effort",                                                                                                       \
-         KEY_EFFORT,                                                                                                     \
-         "quick|best",                                                                                                   \
-         0,                                                                                                              \
-         "How much method optimal tries, instead of the file's (default " EFFORT_DEFAULT ")",                            \
-         0},                                                                                                             \
-        {"candidates", KEY_CANDIDATES, NULL, 0, "Also show every (contact, height) and what it costs", 0},               \
-        {"front", KEY_FRONT, NULL, 0, "Also show what time and impulse can be traded for; takes some ten times as long", \
-         0},                                                                                                             \
+#define QUESTION_OPTIONS                                                                                               \
+    {"weights", KEY_WEIGHTS, "W1,W2", 0, "Weights of time [1/s] and impulse [1/(N s)] instead of the file's", 0},      \
+        {"method",                                                                                                     \
+         KEY_METHOD,                                                                                                   \
+         "optimal|paper",                                                                                              \
+         0,                                                                                                            \
+         "What decides the free choices, instead of the file's (default " METHOD_DEFAULT ")",                          \
+         0},                                                                                                           \
+        {"effort",                                                                                                     \
+         KEY_EFFORT,                                                                                                   \
+         "quick|best",                                                                                                 \
+         0,                                                                                                            \
+         "How much method optimal tries, instead of the file's (default " EFFORT_DEFAULT ")",                          \
+         0},                                                                                                           \
         {"output", KEY_OUTPUT, "FILE", 0, "Write there instead of to standard output, which is -", 0}
+
+#define DETAIL_OPTIONS                                                                                                 \
+    {"candidates", KEY_CANDIDATES, NULL, 0, "Also show every (contact, height) and what it costs", 0}, {"front",       \
+                                                                                                        KEY_FRONT,     \
+                                                                                                        NULL,          \
+                                                                                                        0,             \
+                                                                                                        "Also show "   \
+                                                                                                        "what time "   \
+                                                                                                        "and impulse " \
+                                                                                                        "can be "      \
+                                                                                                        "traded for; " \
+                                                                                                        "takes some "  \
+                                                                                                        "ten times "   \
+                                                                                                        "as long",     \
+                                                                                                        0}
 
 static const struct argp_option answer_options[] = {
     {"lcm", KEY_LCM, "URL", OPTION_ARG_OPTIONAL, "Ask a running ssv-plannerd over LCM, instead of computing in process",
@@ -59,11 +76,34 @@ static const struct argp_option answer_options[] = {
     {"timeout", KEY_TIMEOUT, "S", 0,
      "How long to wait for an answer over LCM, of many for the next one [s] (default 5)", 0},
     QUESTION_OPTIONS,
+    DETAIL_OPTIONS,
     {0},
 };
 
 static const struct argp_option question_options[] = {
     {"format", KEY_FORMAT, "yaml|json", 0, "For people (default) or for programs", 0},
+    QUESTION_OPTIONS,
+    DETAIL_OPTIONS,
+    {0},
+};
+
+static const struct argp_option flight_options[] = {
+    {"sim", KEY_SIM, NULL, 0, "In simulation: starts ssv-sim and an ssv-plannerd for this flight, and ends them", 0},
+    {"conditions", KEY_CONDITIONS, "NAME|FILE", 0,
+     "What disturbs the simulated flight and what counts as a hit (default: nothing does, everything)", 0},
+    {"seed", KEY_SEED, "N", 0, "Seed of the disturbances; the same seed is the same flight (default 1)", 0},
+    {"rate", KEY_RATE, "R|max", 0, "Simulated seconds per second (default max, as fast as it goes)", 0},
+    {"lcm", KEY_LCM, "URL", OPTION_ARG_OPTIONAL,
+     "Without --sim: MOVES A REAL VEHICLE, by the running ssv-plannerd that hears one. With --sim: the bus for the "
+     "simulated flight",
+     0},
+    {"scalar", KEY_SCALAR, "double|float|fixed", 0,
+     "The arithmetic that the planner computes in (default " SSV_DEFAULT_SCALAR
+     "); without --sim a running planner of that one is asked",
+     0},
+    {"format", KEY_FORMAT, "table|json", 0, "For people (default) or for programs", 0},
+    {"timeout", KEY_TIMEOUT, "S", 0,
+     "How long to wait for the planner's answer, and for news of the flight [s] (default 5)", 0},
     QUESTION_OPTIONS,
     {0},
 };
@@ -71,7 +111,7 @@ static const struct argp_option question_options[] = {
 typedef struct {
     task_options_t* options;
     int max_paths;
-    bool wants_answer;
+    task_use_t use;
 } input_t;
 
 /// "W1,W2"; the numbers' ranges are the planner's to judge.
@@ -124,9 +164,9 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
         case KEY_FRONT: options->want_front = true; return 0;
         case KEY_FORMAT:
             options->as_json = strcmp(argument, "json") == 0;
-            if (!options->as_json && strcmp(argument, input->wants_answer ? "table" : "yaml") != 0) {
+            if (!options->as_json && strcmp(argument, input->use != TASK_SHOWN ? "table" : "yaml") != 0) {
                 argp_error(state, "--format %s: there are %s and json", argument,
-                           input->wants_answer ? "table" : "yaml");
+                           input->use != TASK_SHOWN ? "table" : "yaml");
             }
             return 0;
         case KEY_OUTPUT: options->output_path = argument; return 0;
@@ -134,6 +174,31 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
             if (!tree_number(argument, &options->timeout_s) ||
                 !(options->timeout_s > 0 && options->timeout_s <= 3600)) {
                 argp_error(state, "--timeout %s: not a number of seconds in (0, 3600]", argument);
+            }
+            return 0;
+        case KEY_SIM: options->in_simulation = true; return 0;
+        case KEY_CONDITIONS: options->conditions = argument; return 0;
+        case KEY_SEED:
+            if (argument[0] == '\0' || strlen(argument) > 18 || argument[strspn(argument, "0123456789")] != '\0') {
+                argp_error(state, "--seed %s: not a whole number", argument);
+            }
+            options->seed = argument;
+            return 0;
+        case KEY_RATE:
+            options->rate = 0;
+            if (strcmp(argument, "max") != 0 &&
+                (!tree_number(argument, &options->rate) || !(options->rate >= 1e-3 && options->rate <= 1e6))) {
+                argp_error(state, "--rate %s: neither max nor a number in [0.001, 1e6]", argument);
+            }
+            options->rate_given = true;
+            return 0;
+        case ARGP_KEY_END:
+            if (input->use == TASK_FLOWN && !options->in_simulation && !options->over_lcm) {
+                argp_error(state, "--sim flies in simulation, --lcm moves a real vehicle: say which");
+            }
+            if (!options->in_simulation &&
+                (options->conditions != NULL || options->seed != NULL || options->rate_given)) {
+                argp_error(state, "--conditions, --seed and --rate are for a simulated flight; they need --sim");
             }
             return 0;
         case ARGP_KEY_ARG:
@@ -150,21 +215,9 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
     }
 }
 
-/// A path from the folder of this program.
-static void path_from_bin(const char* relative, char* path, size_t size) {
-    char program[PATH_MAX] = "";
-    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
-    program[length > 0 ? length : 0] = '\0';
-    char* const slash = strrchr(program, '/');
-    const int bin_length = slash == NULL ? 0 : (int)(slash + 1 - program);
-    snprintf(path, size, "%.*s%s", bin_length, program, relative);
-}
-
-/// The folder of the models, at the same place beside the program in the build tree and where it is installed; the
-/// caller frees it. NULL if out of memory.
-static char* find_models(void) {
-    char joined[PATH_MAX + sizeof SSV_MODELS_FROM_BIN];
-    path_from_bin(SSV_MODELS_FROM_BIN, joined, sizeof joined);
+char* task_data_folder(const char* from_bin) {
+    char joined[2 * PATH_MAX];
+    process_path(from_bin, joined, sizeof joined);
     char* const resolved = realpath(joined, NULL);
     return resolved != NULL ? resolved : strdup(joined);
 }
@@ -175,7 +228,7 @@ __attribute__((noreturn)) static void hand_over(const char* scalar, char* comman
     char name[16], program[PATH_MAX + sizeof name];
     char** const arguments = calloc((size_t)argc + 2, sizeof *arguments);
     snprintf(name, sizeof name, "ssv%s%s", is_default ? "" : "-", is_default ? "" : scalar);
-    path_from_bin(name, program, sizeof program);
+    process_path(name, program, sizeof program);
     if (arguments != NULL) {
         arguments[0] = name;
         arguments[1] = command;
@@ -187,13 +240,15 @@ __attribute__((noreturn)) static void hand_over(const char* scalar, char* comman
     exit(EXIT_FAILED);
 }
 
-void task_options_parse(task_options_t* options, const char* doc, int max_paths, bool wants_answer, int argc,
+void task_options_parse(task_options_t* options, const char* doc, int max_paths, task_use_t use, int argc,
                         char** argv) {
-    const struct argp parser = {.options = wants_answer ? answer_options : question_options,
+    const struct argp parser = {.options = use == TASK_ANSWERED ? answer_options
+                                           : use == TASK_FLOWN  ? flight_options
+                                                                : question_options,
                                 .parser = parse_option,
                                 .args_doc = max_paths == 1 ? "SCENARIO" : "SCENARIO...",
                                 .doc = doc};
-    input_t input = {options, max_paths, wants_answer};
+    input_t input = {options, max_paths, use};
     *options = (task_options_t){.timeout_s = 5,
                                 .method = -1,
                                 .effort = -1,
@@ -209,14 +264,15 @@ void task_options_parse(task_options_t* options, const char* doc, int max_paths,
     argv[0] = name;
     argp_parse(&parser, argc, argv, 0, NULL, &input);
     argv[0] = command;
-    if (options->scalar != NULL && strcmp(options->scalar, REAL_NAME) != 0 && !options->over_lcm) {
+    if (options->scalar != NULL && strcmp(options->scalar, REAL_NAME) != 0 &&
+        (options->in_simulation || !options->over_lcm)) {
         hand_over(options->scalar, command, argc, argv);
     }
 }
 
 bool task_read(const task_options_t* options, const char* path, scenario_file_t* file, lcm_ssv_scenario_t* question,
                char* error, size_t error_size) {
-    char* const models = find_models();
+    char* const models = task_data_folder(SSV_MODELS_FROM_BIN);
     *file = (scenario_file_t){.tree = NULL};
     if (models == NULL) {
         snprintf(error, error_size, "out of memory");

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lcm_ssv_execution_t.h"
 #include "lcm_ssv_plan_t.h"
 #include "lcm_ssv_planner_status_t.h"
 #include "lcm_ssv_quote_batch_t.h"
@@ -24,17 +25,29 @@ static const lcm_type_info_t* info_of(const char* type) {
         const char* type;
         const lcm_type_info_t* (*info)(void);
     } types[] = {
-        {"answer_t", lcm_ssv_answer_t_get_type_info},     {"arc_t", lcm_ssv_arc_t_get_type_info},
-        {"asker_t", lcm_ssv_asker_t_get_type_info},       {"beam_t", lcm_ssv_beam_t_get_type_info},
-        {"body_t", lcm_ssv_body_t_get_type_info},         {"candidate_t", lcm_ssv_candidate_t_get_type_info},
-        {"choice_t", lcm_ssv_choice_t_get_type_info},     {"event_t", lcm_ssv_event_t_get_type_info},
-        {"leg_t", lcm_ssv_leg_t_get_type_info},           {"options_t", lcm_ssv_options_t_get_type_info},
-        {"plan_t", lcm_ssv_plan_t_get_type_info},         {"planner_status_t", lcm_ssv_planner_status_t_get_type_info},
-        {"planner_t", lcm_ssv_planner_t_get_type_info},   {"port_t", lcm_ssv_port_t_get_type_info},
-        {"pose_t", lcm_ssv_pose_t_get_type_info},         {"quote_batch_t", lcm_ssv_quote_batch_t_get_type_info},
-        {"quote_t", lcm_ssv_quote_t_get_type_info},       {"scenario_batch_t", lcm_ssv_scenario_batch_t_get_type_info},
-        {"scenario_t", lcm_ssv_scenario_t_get_type_info}, {"segment_t", lcm_ssv_segment_t_get_type_info},
-        {"thruster_t", lcm_ssv_thruster_t_get_type_info}, {"vehicle_t", lcm_ssv_vehicle_t_get_type_info},
+        {"answer_t", lcm_ssv_answer_t_get_type_info},
+        {"arc_t", lcm_ssv_arc_t_get_type_info},
+        {"asker_t", lcm_ssv_asker_t_get_type_info},
+        {"beam_t", lcm_ssv_beam_t_get_type_info},
+        {"body_t", lcm_ssv_body_t_get_type_info},
+        {"candidate_t", lcm_ssv_candidate_t_get_type_info},
+        {"choice_t", lcm_ssv_choice_t_get_type_info},
+        {"event_t", lcm_ssv_event_t_get_type_info},
+        {"execution_t", lcm_ssv_execution_t_get_type_info},
+        {"leg_t", lcm_ssv_leg_t_get_type_info},
+        {"options_t", lcm_ssv_options_t_get_type_info},
+        {"plan_t", lcm_ssv_plan_t_get_type_info},
+        {"planner_status_t", lcm_ssv_planner_status_t_get_type_info},
+        {"planner_t", lcm_ssv_planner_t_get_type_info},
+        {"port_t", lcm_ssv_port_t_get_type_info},
+        {"pose_t", lcm_ssv_pose_t_get_type_info},
+        {"quote_batch_t", lcm_ssv_quote_batch_t_get_type_info},
+        {"quote_t", lcm_ssv_quote_t_get_type_info},
+        {"scenario_batch_t", lcm_ssv_scenario_batch_t_get_type_info},
+        {"scenario_t", lcm_ssv_scenario_t_get_type_info},
+        {"segment_t", lcm_ssv_segment_t_get_type_info},
+        {"thruster_t", lcm_ssv_thruster_t_get_type_info},
+        {"vehicle_t", lcm_ssv_vehicle_t_get_type_info},
     };
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
         if (strcmp(types[i].type, type) == 0) {

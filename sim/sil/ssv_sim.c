@@ -13,6 +13,7 @@
 #include "bench/port.h"
 #include "conditions.h"
 #include "scene.h"
+#include "truth.h"
 
 enum { EXIT_DOCKED = 0, EXIT_MISSED = 1, EXIT_UNFINISHED = 2, EXIT_USAGE = 64, EXIT_INPUT = 65, EXIT_PORT = 69 };
 
@@ -25,6 +26,7 @@ static volatile sig_atomic_t is_over;
 
 typedef struct {
     const char *plan, *conditions, *link, *lockstep;
+    const char* lcm_url; ///< NULL: the bus is told nothing
     unsigned long long seed;
     double rate; ///< simulated seconds per second; 0 with lockstep
     double longest_s;
@@ -47,9 +49,8 @@ static const char doc[] =
     "had to "
     "say is sent, it answers with its own time in the same form.\n"
     "\n"
-    "Exit codes: 0 docked, 1 missed, 2 neither (stopped, interrupted), 64 usage, 65 a file is wrong, 69 a port cannot "
-    "be "
-    "opened.";
+    "Exit codes: 0 docked, 1 missed, 2 neither (stopped, interrupted), 64 usage, 65 a file is wrong, 69 a port or the "
+    "bus cannot be opened.";
 
 static const struct argp_option option_list[] = {
     {"link", 'l', "WHERE", 0, "udp:ADDRESS:PORT, udp-listen:PORT or serial:DEVICE:BAUD (default udp:127.0.0.1:14550)",
@@ -58,6 +59,8 @@ static const struct argp_option option_list[] = {
     {"seed", 's', "N", 0, "Seed of the disturbances (default 1)", 0},
     {"rate", 'r', "R", 0, "Simulated seconds per second (default 1)", 0},
     {"lockstep", 'k', "PORT", 0, "Advance by leave of this UDP port's peer, as fast as it goes", 0},
+    {"lcm-url", 'u', "URL", 0,
+     "Tell the bus the truth ten times per simulated second, on SSV_VEHICLE_TRUTH; URL empty: LCM's default", 0},
     {"longest", 't', "SECONDS", 0, "End after so long on the simulated clock (default 100000)", 0},
     {0}};
 
@@ -68,6 +71,7 @@ static error_t parse(int key, char* text, struct argp_state* state) {
         case 'l': options->link = text; return 0;
         case 'c': options->conditions = text; return 0;
         case 'k': options->lockstep = text; return 0;
+        case 'u': options->lcm_url = text; return 0;
         case 's':
             options->seed = strtoull(text, &end, 10);
             if (end == text || *end != '\0') argp_error(state, "--seed takes a whole number");
@@ -118,6 +122,12 @@ static void tell(sil_t* sil, port_t* port) {
     while ((length = ssv_vehicle_poll(&sil->vehicle, sil->now_us, frame)) > 0) port_write(port, frame, length);
 }
 
+static void step(sil_t* sil, port_t* port, truth_t* truth) {
+    sil_step(sil);
+    tell(sil, port);
+    if (truth != NULL) truth_tell(truth, sil);
+}
+
 static bool is_done(const sil_t* sil, int64_t* done_us) {
     if (sil->vehicle.state.phase != SSV_LINK_DONE)
         *done_us = -1;
@@ -126,21 +136,20 @@ static bool is_done(const sil_t* sil, int64_t* done_us) {
     return *done_us >= 0 && sil->now_us - *done_us >= LINGER_US;
 }
 
-static void run_by_clock(sil_t* sil, port_t* port, const options_t* options) {
+static void run_by_clock(sil_t* sil, port_t* port, truth_t* truth, const options_t* options) {
     const int64_t start_us = clock_us();
     int64_t done_us = -1;
     while (!is_over && !is_done(sil, &done_us) && 1e-6 * (double)sil->now_us < options->longest_s) {
         const double due_us = (double)sil->now_us / options->rate, now_us = (double)(clock_us() - start_us);
         hear(sil, port, now_us < due_us ? (int)ceil(1e-3 * (due_us - now_us)) : 0);
         if ((double)(clock_us() - start_us) < due_us) continue;
-        sil_step(sil);
-        tell(sil, port);
+        step(sil, port, truth);
     }
 }
 
 // On the loopback a datagram is there when it is sent, so what the peer said before it gave leave is heard before time
 // goes on, and what is said here is there before the answer.
-static void run_by_leave(sil_t* sil, port_t* port, port_t* leave, const options_t* options) {
+static void run_by_leave(sil_t* sil, port_t* port, port_t* leave, truth_t* truth, const options_t* options) {
     int64_t done_us = -1;
     while (!is_over && !is_done(sil, &done_us) && 1e-6 * (double)sil->now_us < options->longest_s) {
         uint8_t bytes[8];
@@ -149,8 +158,7 @@ static void run_by_leave(sil_t* sil, port_t* port, port_t* leave, const options_
         for (int i = 0; i < 8; i++) until_us |= (uint64_t)bytes[i] << 8 * i;
         hear(sil, port, 0);
         while (sil->now_us < (int64_t)until_us && !is_done(sil, &done_us)) {
-            sil_step(sil);
-            tell(sil, port);
+            step(sil, port, truth);
         }
         now_us = (uint64_t)sil->now_us;
         for (int i = 0; i < 8; i++) bytes[i] = (uint8_t)(now_us >> 8 * i);
@@ -171,6 +179,8 @@ static void print_attempt(const char* name, const sil_t* sil, ssv_event_kind_t k
     printf("},\n");
 }
 
+static double norm(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
 static int report(const sil_t* sil) {
     const bool docked = sil->world.beam == SIM_BEAM_DOCKED;
     const bool missed =
@@ -178,9 +188,11 @@ static int report(const sil_t* sil) {
     printf("{\"outcome\": \"%s\",\n", docked ? "docked" : missed ? "missed" : "unfinished");
     print_attempt("mate", sil, SSV_MATE);
     print_attempt("dock", sil, SSV_DOCK);
-    printf(" \"phase\": %d, \"reason\": \"%s\", \"time_s\": %.6f, \"impulse_Ns\": %.9g}\n",
-           (int)sil->vehicle.state.phase, ssv_link_reason_str(sil->vehicle.state.reason), sil->world.t_s,
-           sil->world.impulse_Ns);
+    printf(
+        " \"phase\": %d, \"reason\": \"%s\", \"time_s\": %.6f, \"impulse_Ns\": %.9g, \"speed_m_s\": %.9g, "
+        "\"rate_rad_s\": %.9g}\n",
+        (int)sil->vehicle.state.phase, ssv_link_reason_str(sil->vehicle.state.reason), sil->world.t_s,
+        sil->world.impulse_Ns, norm(&sil->world.state.nu[0]), norm(&sil->world.state.nu[3]));
     return docked ? EXIT_DOCKED : missed ? EXIT_MISSED : EXIT_UNFINISHED;
 }
 
@@ -212,13 +224,15 @@ int main(int argc, char** argv) {
     const struct argp argp = {option_list, parse, "PLAN", doc, NULL, NULL, NULL};
     char error[400], where[40];
     port_t port, leave;
+    truth_t* truth = NULL;
     argp_err_exit_status = EXIT_USAGE;
     argp_parse(&argp, argc, argv, 0, NULL, &options);
     const int wrong = set_up(&sil, &options);
     if (wrong != 0) return wrong;
     if (options.lockstep != NULL) (void)snprintf(where, sizeof where, "udp-listen:%s", options.lockstep);
     if (!port_open(&port, options.link, error, sizeof error) ||
-        (options.lockstep != NULL && !port_open(&leave, where, error, sizeof error))) {
+        (options.lockstep != NULL && !port_open(&leave, where, error, sizeof error)) ||
+        (options.lcm_url != NULL && (truth = truth_open(options.lcm_url, error, sizeof error)) == NULL)) {
         fprintf(stderr, "ssv-sim: %s\n", error);
         return EXIT_PORT;
     }
@@ -228,11 +242,12 @@ int main(int argc, char** argv) {
     if (port.listens) fprintf(stderr, "link on UDP port %d\n", port_number(&port));
     if (options.lockstep != NULL) fprintf(stderr, "lockstep on UDP port %d\n", port_number(&leave));
     if (options.lockstep != NULL) {
-        run_by_leave(&sil, &port, &leave, &options);
+        run_by_leave(&sil, &port, &leave, truth, &options);
         port_close(&leave);
     } else {
-        run_by_clock(&sil, &port, &options);
+        run_by_clock(&sil, &port, truth, &options);
     }
     port_close(&port);
+    truth_close(truth);
     return report(&sil);
 }

@@ -37,8 +37,8 @@ MAY_INCLUDE = {
     "sim/replay": {"sim/physics", "jansson"},
     "sim/sil": {"sim/physics", "sim/replay", TIMELINE_API, LINK_API, VEHICLE_API, "firmware/bench", "host/wire/tree.h"},
 }
-# Single files that may include more than their folder: what reads plans knows the message types.
-FILE_MAY_INCLUDE = {"sim/replay/plan_file.c": {"lcmtypes", *WIRE_API}}
+# Single files that may include more than their folder: what reads plans or tells the bus knows the message types.
+FILE_MAY_INCLUDE = {"sim/replay/plan_file.c": {"lcmtypes", *WIRE_API}, "sim/sil/truth.c": {"lcmtypes", "lcm"}}
 LIBRARIES = {"lcm": r"lcm/", "fyaml": r"libfyaml", "jansson": r"jansson", "mavlink": r"(?:\w+/)?mavlink", "glib": r"glib"}
 INCLUDE_ROOTS = ("firmware/include", "firmware", "sim", "host")
 
