@@ -232,7 +232,7 @@ static void check_planner(ssv_controller_t* vehicle, int64_t now_us) {
         deadman->has_warned = true;
         ssv_link_vehicle_say(&vehicle->link, now_us, SSV_LINK_WARNING, "planner makes no progress");
     } else if (vehicle->has_trim && now_us - vehicle->trim_us > vehicle->config->trim_stop_us) {
-        stop(vehicle, now_us, SSV_LINK_TRACKING);
+        stop(vehicle, now_us, SSV_LINK_BEAT_LOST);
     }
 }
 

@@ -371,7 +371,7 @@ static void test_a_trim_counts_in_full_then_fades_then_the_vehicle_stops(void) {
     steps(60);
     TEST_ASSERT_FLOAT_WITHIN(1e-5F, without_N, pilot.sil.output.u_N[5]);
     steps(40);
-    TEST_ASSERT_EQUAL(SSV_LINK_TRACKING, pilot.sil.vehicle.state.reason);
+    TEST_ASSERT_EQUAL(SSV_LINK_BEAT_LOST, pilot.sil.vehicle.state.reason);
     TEST_ASSERT_EQUAL(SSV_LINK_BRAKING, phase());
 }
 
