@@ -195,6 +195,16 @@ class Target(unittest.TestCase):
         here, _ = target.run_here("arithmetic", "fixed")
         self.assertEqual([line.split()[:2] for line in lines], [line.split()[:2] for line in here])
 
+    def test_a_flight_to_the_mate_gives_the_same_commands_to_the_last_bit_as_here(self):
+        here = target.run_here("fly", "fixed", ("link", "vehicle", "guidance"))
+        print("fixed: steps of guidance, phase, hash of all efforts, thrusts and trims", *here[0], sep="\n  ")
+        self.assertEqual(here[1], 0)
+        self.assertGreater(len(here[0]), 10)
+        for (cpu, scalar), image in self.images.items():
+            if scalar == "fixed":
+                with self.subTest(cpu=cpu):
+                    self.assertEqual(target.emulate(cpu, image.folder / "bin/fly.elf"), here)
+
     def test_no_archive_needs_a_heap_and_a_fixed_one_no_floating_point_either(self):
         heap = r"(m|c|re)alloc|free|_sbrk"
         floating = r"__aeabi_([fd]|\w+2[fd])|(a?sin|a?cos|a?tan|sqrt|log|exp|ldexp|pow|fabs)"

@@ -101,8 +101,10 @@ static bool make_plan(void) {
 static void measure(real_t plan_time_s) {
     ssv_sample_t sample;
     ssv_plan_sample(&plan, plan_time_s, &sample);
-    sample.X_IS.p = vec3_add(sample.X_IS.p, vec3(offset(), offset(), offset()));
-    const quat_t turn = {REAL(1), offset(), offset(), offset()};
+    real_t off[6]; // one by one: the order of arguments is the compiler's
+    for (int i = 0; i < 6; i++) off[i] = offset();
+    sample.X_IS.p = vec3_add(sample.X_IS.p, vec3(off[0], off[1], off[2]));
+    const quat_t turn = {REAL(1), off[3], off[4], off[5]};
     sample.X_IS.q = quat_unit(quat_mul(sample.X_IS.q, turn));
     ssv_guidance_measure(&guidance, REAL(0), sample.X_IS);
     ssv_link_pose_t pose = {.known = true,
