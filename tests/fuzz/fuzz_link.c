@@ -92,12 +92,26 @@ static void to_vehicle(const uint8_t* bytes, size_t length) {
     }
 }
 
+// Names are looked up by these numbers, and texts are read up to their zero.
+static void check_event(const ssv_link_planner_event_t* event) {
+    switch (event->kind) {
+        case SSV_LINK_PLANNER_EXECUTION:
+            check(event->of.execution.phase <= SSV_LINK_DONE && event->of.execution.reason < SSV_LINK_NUM_REASONS);
+            break;
+        case SSV_LINK_PLANNER_TEXT: check(memchr(event->of.text.text, 0, sizeof event->of.text.text) != NULL); break;
+        case SSV_LINK_PLANNER_ANSWERED: check(event->of.answer.reason < SSV_LINK_NUM_REASONS); break;
+        case SSV_LINK_PLANNER_UPLOAD_FAILED: check(event->of.upload < SSV_LINK_NUM_REASONS); break;
+        default: break;
+    }
+}
+
 static void to_planner(const uint8_t* bytes, size_t length) {
     for (size_t at = 0; at < length;) {
         ssv_link_planner_event_t event;
         const size_t took = ssv_link_planner_receive(&planner, now_us, bytes + at, length - at, &event);
         check((took > 0 || event.kind != 0) && took <= length - at);
         at += took;
+        check_event(&event);
     }
 }
 
