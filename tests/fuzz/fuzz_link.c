@@ -2,10 +2,10 @@
 // checksum is reached: any message with any payload, requests of the file transfer with the paths and the session that
 // there are, commands with the plan hashes that there are, and bytes as they stand. Time goes on between them. Whatever
 // comes, what is live is sound.
-#include <stdlib.h>
 #include <string.h>
 
 #define MAVLINK_NO_CONVERSION_HELPERS
+#include "check.h"
 #include "link/bytes.h"
 #include "link/timeline_file.h"
 #include "ssv/link.h"
@@ -44,10 +44,6 @@ static const uint32_t ids[] = {MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL,
 
 /// Kinds of steps: below the first a message of any kind, then requests, commands, bytes.
 enum { FIRST_REQUEST = 150, FIRST_COMMAND = 220, BYTES = 255 };
-
-static void check(bool holds) {
-    if (!holds) abort();
-}
 
 static void begin(void) {
     static const ssv_link_parameter_t parameters[] = {{"A", 1}, {"B", 2}};

@@ -4,9 +4,9 @@
 // in a phase that may follow, and whatever thrusts must be armed, within its limits, and heard from by its planner: a
 // second bookkeeping of the beats, made where they are sent, says until when.
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "check.h"
 #include "link/wire.h"
 #include "ssv/vehicle.h"
 
@@ -45,10 +45,6 @@ static const uint8_t* input;
 static size_t input_left;
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
-
-static void check(bool holds) {
-    if (!holds) abort();
-}
 
 static uint8_t byte(void) {
     if (input_left == 0) return 0;
