@@ -285,14 +285,14 @@ static void any_trim(int from) {
 
 static void navigate(void) {
     const uint8_t how = byte();
-    navigates = how % 2 == 0;
+    navigates = (how & 1) == 0;
     pose = (ssv_link_pose_t){.q_IS = {1, 0, 0, 0}};
-    for (int i = 0; i < 3 && how % 4 >= 2; i++) {
+    for (int i = 0; i < 3 && (how & 2) != 0; i++) {
         pose.v_IS_m_s[i] = number(1);
         pose.w_IS_S_rad_s[i] = number(1);
     }
-    for (int i = 0; i < 4 && how % 16 >= 8; i++) pose.q_IS[i] = number(1);
-    if (how % 32 == 31) {
+    for (int i = 0; i < 4 && (how & 4) != 0; i++) pose.q_IS[i] = number(1);
+    if ((how & 8) != 0) {
         float* const numbers[] = {pose.p_IS_m, pose.q_IS, pose.v_IS_m_s, pose.w_IS_S_rad_s};
         numbers[byte() % 4][byte() % 3] = any_float();
     }
