@@ -291,7 +291,7 @@ static void navigate(void) {
         pose.v_IS_m_s[i] = number(1);
         pose.w_IS_S_rad_s[i] = number(1);
     }
-    for (int i = 0; i < 4 && (how & 4) != 0; i++) pose.q_IS[i] = number(1);
+    for (int i = 0; i < 4 && (how & 4) != 0; i++) pose.q_IS[i] = number((how & 16) != 0 ? 0.2F : 1);
     if ((how & 8) != 0) {
         float* const numbers[] = {pose.p_IS_m, pose.q_IS, pose.v_IS_m_s, pose.w_IS_S_rad_s};
         numbers[byte() % 4][byte() % 3] = any_float();
@@ -316,7 +316,7 @@ static bool send_bytes(void) {
     return vehicle.link.wire.statistics.received == received;
 }
 
-// All that it takes to fly.
+// All that it takes to fly, and then some motion.
 static void prepare(void) {
     navigates = true;
     pose = (ssv_link_pose_t){.q_IS = {1, 0, 0, 0}};
@@ -329,6 +329,7 @@ static void prepare(void) {
     beat[PLANNER].progress++;
     send_beat(PLANNER);
     command(PLANNER, SSV_LINK_START, 0, plan_hash);
+    navigate();
 }
 
 static void begin(uint8_t how) {
