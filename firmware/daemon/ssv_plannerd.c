@@ -17,6 +17,7 @@
 
 #include "channels.h"
 #include "drops.h"
+#include "flight.h"
 #include "lcm_ssv_planner_status_t.h"
 #include "log.h"
 #include "questions.h"
@@ -35,8 +36,10 @@
     (SSV_QUOTE_BATCH_BYTES_MAX > SSV_PLAN_BYTES_MAX ? SSV_QUOTE_BATCH_BYTES_MAX : SSV_PLAN_BYTES_MAX)
 /// Memory that grows by this much more is worth a line in the log.
 #define GROWTH_BYTES (INT64_C(32) << 20)
+/// How long a vehicle is told to stop before the daemon ends all the same; its dead-man does the rest.
+#define FAREWELL_US INT64_C(3000000)
 
-enum { EXIT_LCM = 4 };
+enum { EXIT_LCM = 4, EXIT_LINK = 69 };
 
 /// A question that is worked on, with the memory for its answer. A scenario counts as a batch of one.
 typedef struct {
@@ -65,6 +68,9 @@ typedef struct {
     uint8_t answer_bytes[ANSWERS_MAX * ANSWER_BYTES_MAX];
     desk_t desk[NUM_DESKS];
     desk_t refusal; ///< where answers are made that need no work
+    flight_t flight;
+    int64_t flown_epoch_us; ///< of the task that was flown last
+    int64_t farewell_us;    ///< when the flight was told to stop since we end; 0 before
     uint8_t message[ANSWER_BYTES_MAX];
     uint8_t status_bytes[512];
 } plannerd_t;
@@ -135,6 +141,36 @@ static void plan_refuse(desk_t* desk, const char* reason) { ssv_answer_refuse(re
 
 static void quotes_refuse(desk_t* desk, const char* reason) {
     ssv_answer_batch_refuse(&desk->batch, reason, &desk->answer.quotes);
+}
+
+/// Why this task cannot be flown now, NULL if it can. That it names this planner keeps a recording from being flown
+/// again.
+static const char* grounding(const plannerd_t* self, const lcm_ssv_asker_t* asker) {
+    if (!self->flight.is_open) return "this planner has no vehicle; start it with --link";
+    if (asker->planner_id == 0) return "asker.planner_id: a task to be flown must name its planner";
+    if (flight_is_under_way(&self->flight)) return "the vehicle flies another task";
+    if (asker->epoch_us <= self->flown_epoch_us)
+        return "asker.epoch_us: must be newer than that of the task that was flown last";
+    return NULL;
+}
+
+static void task_begin(plannerd_t* self, desk_t* desk, uint64_t hash) {
+    plan_begin(self, desk, hash);
+    const char* reason = grounding(self, &desk->scenarios[0].asker);
+    if (reason != NULL) plan_refuse(desk, reason);
+}
+
+/// A task that is planned is flown. One that came in between may have been faster.
+static void task_done(plannerd_t* self, desk_t* desk) {
+    const lcm_ssv_asker_t* asker = &desk->scenarios[0].asker;
+    const char* reason = grounding(self, asker);
+    if (desk->answer.plan.wire.quote.status != LCM_SSV_QUOTE_T_STATUS_OK) return;
+    if (reason == NULL && flight_begin(&self->flight, &desk->answer.plan)) {
+        self->flown_epoch_us = asker->epoch_us;
+        self->status.flights++;
+    } else {
+        plan_refuse(desk, reason != NULL ? reason : "the plan makes no timeline that a vehicle takes");
+    }
 }
 
 static bool plan_step(plannerd_t* self, desk_t* desk) {
@@ -214,11 +250,14 @@ static const struct {
     void (*refuse)(desk_t* desk, const char* reason);
     int (*encode)(const desk_t* desk, uint8_t bytes[ANSWER_BYTES_MAX]);
     void (*log)(const desk_t* desk);
+    void (*done)(plannerd_t* self, desk_t* desk); ///< before the answer goes out; may be NULL
 } kinds[] = {
     {CHANNEL_SCENARIO, CHANNEL_PLAN, "scenario", scenario_decode, plan_begin, plan_step, plan_refuse, plan_encode,
-     plan_log},
+     plan_log, NULL},
     {CHANNEL_BATCH, CHANNEL_QUOTES, "batch", batch_decode, quotes_begin, quotes_step, quotes_refuse, quotes_encode,
-     quotes_log},
+     quotes_log, NULL},
+    {CHANNEL_EXECUTE, CHANNEL_PLAN, "task", scenario_decode, task_begin, plan_step, plan_refuse, plan_encode, plan_log,
+     task_done},
 };
 
 #define NUM_KINDS ((int)(sizeof kinds / sizeof kinds[0]))
@@ -278,6 +317,15 @@ static void on_question(const lcm_recv_buf_t* datagram, const char* channel, voi
     }
 }
 
+static void on_control(const lcm_recv_buf_t* datagram, const char* channel, void* user) {
+    plannerd_t* self = user;
+    lcm_ssv_control_t control;
+    const int size = (int)datagram->data_size;
+    (void)channel;
+    if (size >= 0 && lcm_ssv_control_t_decode(datagram->data, 0, size, &control) == size)
+        flight_control(&self->flight, &control);
+}
+
 /// Takes what liblcm holds. Bounded: datagrams may come faster than they go. @return false when the transport is gone.
 static bool drain(plannerd_t* self) {
     int handled = 1;
@@ -314,6 +362,7 @@ static bool begin(plannerd_t* self, desk_t* desk, waiting_t* question) {
 static void finish(plannerd_t* self, desk_t* desk) {
     waiting_t* question = desk->question;
     const int kind = question->key.kind;
+    if (kinds[kind].done != NULL) kinds[kind].done(self, desk);
     const int size = kinds[kind].encode(desk, self->message);
     kinds[kind].log(desk);
     if (size < 0) log_line(LOG_ERROR, "an answer is longer than %d bytes", ANSWER_BYTES_MAX);
@@ -393,6 +442,10 @@ static void report(plannerd_t* self) {
     status->uptime_us = now - self->started_us;
     status->crowded_out = self->questions.num_crowded;
     status->waiting = self->questions.num_waiting;
+    status->link = !self->flight.is_open         ? LCM_SSV_PLANNER_STATUS_T_LINK_NONE
+                   : flight_hears(&self->flight) ? LCM_SSV_PLANNER_STATUS_T_LINK_HEARD
+                                                 : LCM_SSV_PLANNER_STATUS_T_LINK_SILENT;
+    status->flying_request_id = flight_is_under_way(&self->flight) ? self->flight.answer.asker.request_id : 0;
     status->datagrams_lost = drops_count();
     status->log_lines_lost = log_lines_lost();
     status->resident_bytes = resident_bytes();
@@ -407,20 +460,39 @@ static bool asked_to_stop(const plannerd_t* self) {
 }
 
 static void wait_for_work(const plannerd_t* self) {
+    const bool is_ending = self->farewell_us > 0; // then the signal is known
     struct pollfd fds[] = {{.fd = lcm_get_fileno(self->lcm), .events = POLLIN, .revents = 0},
-                           {.fd = self->signal_fd, .events = POLLIN, .revents = 0}};
-    const int64_t wait_us = self->next_status_us - now_us();
-    poll(fds, 2, wait_us > 0 ? (int)(wait_us / 1000) + 1 : 0);
+                           {.fd = is_ending ? -1 : self->signal_fd, .events = POLLIN, .revents = 0},
+                           {.fd = self->flight.is_open ? self->flight.port.fd : -1, .events = POLLIN, .revents = 0}};
+    int64_t wait_us = self->next_status_us - now_us();
+    if (flight_is_under_way(&self->flight)) {
+        const int64_t flight_us = flight_wait_us(&self->flight);
+        if (flight_us < wait_us) wait_us = flight_us;
+    }
+    struct timespec wait = {0, 0};
+    if (wait_us > 0) wait = (struct timespec){wait_us / 1000000, 1000 * (wait_us % 1000000)};
+    ppoll(fds, 3, &wait, NULL);
+}
+
+/// Whether the daemon may end: at once without a flight, else when the vehicle has been told to stop.
+static bool may_end(plannerd_t* self) {
+    if (!flight_is_under_way(&self->flight)) return true;
+    if (self->farewell_us == 0) {
+        self->farewell_us = now_us();
+        flight_stop(&self->flight);
+    }
+    return now_us() - self->farewell_us > FAREWELL_US;
 }
 
 /// Turn after turn, and between any two of them new arrivals, the clock and signals get theirs. @return the exit code.
 static int serve(plannerd_t* self) {
-    while (!asked_to_stop(self)) {
+    while (!asked_to_stop(self) || !may_end(self)) {
         if (!drain(self)) {
             log_line(LOG_ERROR, "the LCM connection is lost");
             return EXIT_LCM;
         }
         report(self);
+        flight_turn(&self->flight);
         if (!take_turn(self)) wait_for_work(self);
     }
     return EXIT_SUCCESS;
@@ -452,7 +524,8 @@ static bool open_lcm(plannerd_t* self, const char* url) {
             return false;
         }
     }
-    return true;
+    lcm_subscription_t* subscription = lcm_subscribe(self->lcm, CHANNEL_CONTROL, on_control, self);
+    return subscription != NULL && lcm_subscription_set_queue_capacity(subscription, LCM_QUEUE_SIZE) == 0;
 }
 
 /// Another number for each run, never 0. @return false where the system gives none.
@@ -466,6 +539,7 @@ static bool draw_id(int64_t* id) {
 typedef struct {
     const char* lcm_url; // NULL = LCM's default
     bool verbose;
+    flight_options_t flight;
 } options_t;
 
 static const char manual[] =
@@ -473,7 +547,10 @@ static const char manual[] =
     " with a plan, or the reason why there "
     "is none, on " CHANNEL_PLAN ", every batch of scenarios on " CHANNEL_BATCH " with their prices on " CHANNEL_QUOTES
     ", and gives a sign of life with counters on " CHANNEL_STATUS
-    " once a second."
+    " once a second. With --link it also flies tasks: a scenario on " CHANNEL_EXECUTE
+    " that names this planner is planned, answered and flown; " CHANNEL_EXECUTION " and " CHANNEL_STATE
+    " tell how that gets on, and " CHANNEL_CONTROL
+    " stops it."
     "\v"
     "Askers take turns, and no one of them can hold up another; a question asked again gets the same bytes again, as "
     "long as its answer is among the last 256. Of one asker's questions the newest epoch wins. The log goes to "
@@ -484,23 +561,50 @@ static const char manual[] =
     "Examples:\n"
     "  ssv-plannerd\n"
     "  ssv-plannerd --verbose 2> planner.log\n"
+    "  ssv-plannerd --link serial:/dev/ttyUSB0:57600\n"
+    "  ssv-plannerd --link udp:127.0.0.1:14550\n"
     "  ssv-plannerd --lcm-url 'udpm://239.255.76.67:7667?ttl=1'\n\n"
     "Exit codes:\n"
     "  0   stopped by SIGINT, SIGTERM or SIGHUP\n"
     "  1   the system refused something else\n"
     "  4   LCM cannot be opened, or was lost\n"
-    "  64  wrong usage\n";
+    "  64  wrong usage\n"
+    "  69  the link to the vehicle cannot be opened\n";
 
 static const struct argp_option option_table[] = {
     {"lcm-url", 'l', "URL", 0, "LCM provider; default: the environment's LCM_DEFAULT_URL, else LCM's own", 0},
+    {"link", 'L', "WHERE", 0,
+     "fly tasks with the vehicle at WHERE: udp:ADDRESS:PORT, udp-listen:PORT or serial:DEVICE:BAUD", 0},
+    {"thruster-lag", 't', "S", 0, "time constant of the thrusters that guidance reckons with, in seconds (default 0)",
+     0},
+    {"lockstep", 'k', "PORT", 0, "the vehicle is an ssv-sim that waits for leave at this UDP port of this machine", 0},
+    {"rate", 'r', "R", 0, "in lockstep, simulated seconds per second (default: as fast as it goes)", 0},
     {"verbose", 'v', NULL, 0, "log at level DEBUG: also each datagram that is no question", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
+
+static double number(struct argp_state* state, const char* name, const char* text, double least, double most) {
+    char* end;
+    const double value = strtod(text, &end);
+    if (end == text || *end != '\0' || !(value >= least && value <= most))
+        argp_error(state, "%s takes a number from %g to %g", name, least, most);
+    return value;
+}
 
 static error_t parse_option(int key, char* argument, struct argp_state* state) {
     options_t* options = state->input;
     switch (key) {
         case 'l': options->lcm_url = argument; return 0;
         case 'v': options->verbose = true; return 0;
+        case 'L': options->flight.link = argument; return 0;
+        case 'k': options->flight.lockstep = argument; return 0;
+        case 'r': options->flight.rate = number(state, "--rate", argument, 1e-3, 1e6); return 0;
+        case 't': options->flight.thruster_lag_s = number(state, "--thruster-lag", argument, 0, 10); return 0;
+        case ARGP_KEY_END:
+            if (options->flight.link == NULL && (options->flight.lockstep != NULL || options->flight.rate > 0))
+                argp_error(state, "--lockstep and --rate need --link");
+            if (options->flight.lockstep == NULL && options->flight.rate > 0)
+                argp_error(state, "--rate needs --lockstep: a real vehicle has a clock of its own");
+            return 0;
         case ARGP_KEY_ARG: argp_error(state, "unexpected argument '%s'", argument); return 0;
         default: return ARGP_ERR_UNKNOWN;
     }
@@ -511,7 +615,8 @@ const char* argp_program_version = "ssv-plannerd " SSV_VERSION " (" REAL_NAME ")
 int main(int argc, char** argv) {
     static plannerd_t self;
     static const struct argp parser = {option_table, parse_option, NULL, manual, NULL, NULL, NULL};
-    options_t options = {NULL, false};
+    options_t options = {NULL, false, {NULL, NULL, 0, 0}};
+    char error[400];
     argp_parse(&parser, argc, argv, 0, NULL, &options);
     log_set_verbose(options.verbose);
 
@@ -534,6 +639,12 @@ int main(int argc, char** argv) {
         log_line(LOG_ERROR, "the system gives no random number for the planner's id: %s", strerror(errno));
         return EXIT_FAILURE;
     }
+    if (options.flight.link != NULL &&
+        !flight_open(&self.flight, self.lcm, &options.flight, (uint32_t)self.status.planner.planner_id | 1, error,
+                     sizeof error)) {
+        log_line(LOG_ERROR, "%s", error);
+        return EXIT_LINK;
+    }
     self.status.planner = ssv_planner_identity(self.status.planner.planner_id);
     questions_init(&self.questions, self.question_bytes, QUESTION_BYTES_MAX, self.answer_bytes, ANSWER_BYTES_MAX);
     self.started_us = now_us();
@@ -548,7 +659,10 @@ int main(int argc, char** argv) {
              " and " CHANNEL_BATCH " at %s",
              (uint64_t)self.status.planner.planner_id, url);
 
+    if (self.flight.is_open && self.flight.port.listens)
+        log_line(LOG_INFO, "listens for the vehicle on UDP port %d", port_number(&self.flight.port));
     const int code = serve(&self);
+    flight_close(&self.flight);
     log_line(LOG_INFO,
              "stops: %" PRId64 " received, %" PRId64 " planned, %" PRId64 " quoted, %" PRId64 " infeasible, %" PRId64
              " repeated, worst planning time %.3f ms",

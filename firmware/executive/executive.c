@@ -19,8 +19,8 @@
 /// A measured position beyond this, or a measurement older than that, is none.
 #define POSITION_MAX_M 1e5F
 #define AGE_MAX_US INT64_C(10000000)
-/// What the clock's offset creeps up by, for clocks drift: a 256th of how late a message is.
-#define CREEP 256
+/// What the clock's offset creeps up by, for clocks drift: a share of how late a message is.
+#define CREEP 4096
 
 void ssv_executive_init(ssv_executive_t* executive, const ssv_executive_config_t* config) {
     memset(executive, 0, sizeof *executive);
@@ -88,9 +88,8 @@ bool ssv_executive_begin(ssv_executive_t* executive, int64_t now_us, const ssv_p
     executive->impulse_Ns = REAL(0);
     executive->turn.at_us = executive->started_us = 0;
     executive->begun_us = executive->due_us = now_us;
-    ssv_guidance_init(
-        &executive->guidance, problem, plan,
-        &(ssv_guidance_config_t){order->force_max_N, executive->config.thruster_lag_s});
+    ssv_guidance_init(&executive->guidance, problem, plan,
+                      &(ssv_guidance_config_t){order->force_max_N, executive->config.thruster_lag_s});
     enter(executive, SSV_EXECUTIVE_SEEKING);
     return true;
 }
@@ -98,6 +97,10 @@ bool ssv_executive_begin(ssv_executive_t* executive, int64_t now_us, const ssv_p
 void ssv_executive_stop(ssv_executive_t* executive, int64_t now_us) {
     if (is_under_way(executive) && executive->state != SSV_EXECUTIVE_STOPPING)
         stop(executive, now_us, SSV_EXECUTIVE_STOPPED);
+}
+
+void ssv_executive_give_up(ssv_executive_t* executive) {
+    if (is_under_way(executive)) finish(executive, SSV_EXECUTIVE_SILENT, SSV_LINK_NO_REASON);
 }
 
 void ssv_executive_pause(ssv_executive_t* executive, bool paused) { executive->wants_pause = paused; }

@@ -35,6 +35,11 @@ bool ssv_link_planner_upload(ssv_link_planner_t* link, const uint8_t* file, size
     return true;
 }
 
+size_t ssv_link_planner_uploaded(const ssv_link_planner_t* link) {
+    const size_t bytes = (size_t)link->client.num_acked * chunk_bytes(link);
+    return bytes < link->client.length ? bytes : link->client.length;
+}
+
 bool ssv_link_planner_command(ssv_link_planner_t* link, int64_t now_us, ssv_link_command_t command, int32_t value,
                               uint64_t plan_hash) {
     if (link->command.pending && command != SSV_LINK_TERMINATE) return false;

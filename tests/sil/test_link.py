@@ -37,6 +37,32 @@ def timeline_file(plan_hash=0x123456789abcdef0, segments=3, epoch_us=1_767_225_6
     return b"SSVT" + struct.pack("<HBBII", 1, 6, 2, 16 + len(rest), zlib.crc32(rest)) + rest
 
 
+class Flight(unittest.TestCase):
+    """pymavlink reads all that passes between executive and vehicle from the first heartbeat to the dock."""
+
+    def test_pymavlink_decodes_every_frame_of_a_flight_and_finds_the_flight_in_them(self):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([os.environ["SSV_FLIGHT_FRAMES"], folder], check=True)
+            data = {way: pathlib.Path(folder, f"{way}.bin").read_bytes() for way in ("up", "down")}
+        frames = {way: frames_of(all_of_it) for way, all_of_it in data.items()}
+        for way in data:
+            names = {frame.get_type() for frame in frames[way]}
+            self.assertFalse([name for name in names if name.startswith(("BAD_DATA", "UNKNOWN"))])
+            self.assertEqual(sum(len(frame.get_msgbuf()) for frame in frames[way]), len(data[way]))
+            self.assertEqual([frame.get_seq() for frame in frames[way]], [i % 256 for i in range(len(frames[way]))])
+        told = [frame for frame in frames["down"] if frame.get_type() == "SSV_EXECUTION"]
+        phases = [told[0].phase] + [b.phase for a, b in zip(told, told[1:]) if a.phase != b.phase]
+        # Disarmed, executing, holding before the mate, executing, holding before the dock, done; what is short may be missed.
+        self.assertRegex("".join(map(str, phases)), "^01?232326?$|^01?23236$")
+        self.assertEqual((told[-1].events, told[-1].attempts), (2, 2))
+        times = [frame.plan_time for frame in told]
+        self.assertEqual(times, sorted(times))
+        trims = [frame for frame in frames["up"] if frame.get_type() == "SSV_TRIM"]
+        self.assertEqual([frame.sequence for frame in trims], list(range(1, len(trims) + 1)))
+        self.assertTrue(all(0 <= frame.clock_rate <= 1 for frame in trims))
+        print(f"{sum(map(len, frames.values()))} frames of a flight, {len(trims)} of them trims")
+
+
 class Session(unittest.TestCase):
     """Both ends talk to one another, pymavlink listens."""
 

@@ -22,6 +22,7 @@
 #define ssv_executive_init SSV_NAME(ssv_executive_init)
 #define ssv_executive_begin SSV_NAME(ssv_executive_begin)
 #define ssv_executive_stop SSV_NAME(ssv_executive_stop)
+#define ssv_executive_give_up SSV_NAME(ssv_executive_give_up)
 #define ssv_executive_pause SSV_NAME(ssv_executive_pause)
 #define ssv_executive_receive SSV_NAME(ssv_executive_receive)
 #define ssv_executive_step SSV_NAME(ssv_executive_step)
@@ -129,6 +130,9 @@ bool ssv_executive_begin(ssv_executive_t* executive, int64_t now_us, const ssv_p
 
 /// Stops the vehicle. The outcome follows when it has stopped, or does not answer.
 void ssv_executive_stop(ssv_executive_t* executive, int64_t now_us);
+
+/// Ends what is under way without another word to the vehicle, whose dead-man stops it: it is known to be gone.
+void ssv_executive_give_up(ssv_executive_t* executive);
 
 /// Has the vehicle wait where it is, or go on. Nothing happens when it does not fly.
 void ssv_executive_pause(ssv_executive_t* executive, bool paused);

@@ -490,6 +490,9 @@ size_t ssv_link_planner_poll(ssv_link_planner_t* link, int64_t now_us, uint8_t* 
 /// the length is not that of a timeline file.
 bool ssv_link_planner_upload(ssv_link_planner_t* link, const uint8_t* file, size_t length);
 
+/// How many bytes of the file the vehicle has acknowledged.
+size_t ssv_link_planner_uploaded(const ssv_link_planner_t* link);
+
 /// Gives a command; false while another one waits for its answer, unless this one is SSV_LINK_TERMINATE, which takes
 /// its place. The plan hash matters to SSV_LINK_COMMIT and SSV_LINK_START, the value to the others. Commit after
 /// SSV_LINK_PLANNER_UPLOADED and not before: of an unfinished upload a repeated commit may be accepted when the first
