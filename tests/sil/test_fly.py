@@ -165,7 +165,7 @@ class Nominal(InFolder):
             pass
         os.close(ours)
         self.assertEqual(flight.wait(timeout=30), DOCKED)
-        rewritten = re.findall(rb"\r\x1b\[K +[\d.]+ s  tracking to (?:mate|dock): [^\r\n]* mm beside", text)
+        rewritten = re.findall(rb"\r\x1b\[Ktracking to (?:mate|dock): [^\r\n]* beside", text)
         self.assertGreater(len(rewritten), 5, text)
 
     def test_each_arithmetic_flies_with_its_own_planner(self):
@@ -278,7 +278,7 @@ class Wrong(InFolder):
         unknown = self.file("unknown.yaml", "water: {mean: 3}\n")
         no_yaml = self.file("no.yaml", "water: [\n")
         bad_task = self.file("bad.yaml", ON_AXIS.read_text().replace("port: 1", "port: 4"))
-        weak = self.file("weak.yaml", ON_AXIS.read_text() + "\nstandoff_m: 0.05\n")
+        far = self.file("far.yaml", ON_AXIS.read_text().replace("p_IS_m: [0, 0, -3]", "p_IS_m: [-900, 0, -3]"))
         for arguments, code, words in (
             ((ON_AXIS, "--sim", "--conditions", "stormy"), REFUSED, ("stormy", "conditions")),
             ((ON_AXIS, "--sim", "--conditions", self.folder / "none.yaml"), REFUSED, ("none.yaml", "cannot open")),
@@ -286,7 +286,7 @@ class Wrong(InFolder):
             ((ON_AXIS, "--sim", "--conditions", no_yaml), REFUSED, ("no.yaml", "not YAML")),
             ((bad_task, "--sim"), REFUSED, ("hub.port: '4'",)),
             ((self.folder / "none.yaml", "--sim"), REFUSED, ("none.yaml",)),
-            ((weak, "--sim"), INFEASIBLE, ("no feasible candidate",)),
+            ((far, "--sim"), INFEASIBLE, ("no feasible candidate",)),
             ((ON_AXIS, "--sim", "--output", self.folder / "no" / "folder"), FAILED, ("cannot write",)),
         ):
             with self.subTest(code=code, words=words):
@@ -355,14 +355,14 @@ class Bus(InFolder):
         for channel, states in heard.items():
             bus.subscribe(channel, lambda _, data, states=states: states.append(messages.vehicle_state_t.decode(data))
                           ).set_queue_capacity(10000)
-        flight = subprocess.Popen([BIN / "ssv", "fly", ON_AXIS, "--sim", "--rate", "100", "--format", "json"], text=True,
-                                  stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=self.environment)
-        self.addCleanup(flight.stdout.close)
+        path = self.folder / "flight.json"
+        flight = subprocess.Popen([BIN / "ssv", "fly", ON_AXIS, "--sim", "--rate", "100", "--format", "json", "--output", path],
+                                  stderr=subprocess.DEVNULL, env=self.environment)
         while flight.poll() is None:
             bus.handle_timeout(50)
         while bus.handle_timeout(50) > 0:
             pass
-        told = json.loads(flight.stdout.read())
+        told = json.loads(path.read_text())
         truths, states = heard["SSV_VEHICLE_TRUTH"], heard["SSV_VEHICLE_STATE"]
         self.assertAlmostEqual(len(truths), 10 * told["execution"]["time_s"], delta=20)
         plan_hash = f"{truths[-1].plan_hash & (2 ** 64 - 1):016x}"
