@@ -13,6 +13,8 @@
 
 /// [m, m/s, rad/s] Navigation beyond this is taken for none.
 #define NAVIGATION_MAX 1e5F
+/// [-] An attitude whose square is farther from 1 than this is none: a brake by it could push where it ought to stop.
+#define UNIT_TOLERANCE 0.01F
 
 static bool is_flying(const ssv_controller_t* vehicle) {
     return vehicle->state.phase == SSV_LINK_EXECUTING || vehicle->state.phase == SSV_LINK_HOLDING;
@@ -77,9 +79,14 @@ static bool are_sound(const float* value, int count) {
     return true;
 }
 
+static bool is_unit(const float q[4]) {
+    const float excess = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1;
+    return excess > -UNIT_TOLERANCE && excess < UNIT_TOLERANCE;
+}
+
 void ssv_vehicle_navigate(ssv_controller_t* vehicle, int64_t held_us, const ssv_link_pose_t* pose) {
     if (!are_sound(pose->p_IS_m, 3) || !are_sound(pose->q_IS, 4) || !are_sound(pose->v_IS_m_s, 3) ||
-        !are_sound(pose->w_IS_S_rad_s, 3))
+        !are_sound(pose->w_IS_S_rad_s, 3) || !is_unit(pose->q_IS))
         return;
     vehicle->state.pose = *pose;
     vehicle->state.pose.known = true;
@@ -232,7 +239,7 @@ static void check_planner(ssv_controller_t* vehicle, int64_t now_us) {
         deadman->has_warned = true;
         ssv_link_vehicle_say(&vehicle->link, now_us, SSV_LINK_WARNING, "planner makes no progress");
     } else if (vehicle->has_trim && now_us - vehicle->trim_us > vehicle->config->trim_stop_us) {
-        stop(vehicle, now_us, SSV_LINK_TRACKING);
+        stop(vehicle, now_us, SSV_LINK_BEAT_LOST);
     }
 }
 

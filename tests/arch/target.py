@@ -12,6 +12,7 @@ CORES = {"m3": "mps2-an385", "m4f": "mps2-an386", "m7": "mps2-an500"}  # and the
 PLANNED = ["name", "method", "status", "cost", "hash", "instructions", "stack_bytes"]  # a line of plan.c
 WORK = pathlib.Path(os.environ["SSV_BUILD_DIR"]) / "target"  # kept, so that a second run compiles what changed
 SHIPPED = pathlib.Path(os.environ["SSV_SHIPPED"])
+MAVLINK = pathlib.Path(os.environ["SSV_MAVLINK_DIR"])
 
 
 def build(cpu, scalar):
@@ -19,7 +20,7 @@ def build(cpu, scalar):
     folder = WORK / f"{cpu}-{scalar}"
     run(["cmake", "--fresh", "-S", ROOT, "-B", folder, "-G", os.environ["SSV_GENERATOR"], "-DSSV_BUILD_HOST=OFF",
          f"--toolchain={ROOT}/firmware/target/arm-none-eabi.cmake", f"-DSSV_CPU={cpu}", f"-DSSV_REAL={scalar}",
-         f"-DSSV_SHIPPED={SHIPPED}"])
+         f"-DSSV_SHIPPED={SHIPPED}", f"-DSSV_MAVLINK_DIR={MAVLINK}"])
     run(["cmake", "--build", folder, "--parallel", "1"])
     return folder
 
@@ -36,14 +37,15 @@ def emulate(cpu, image):
                     "-semihosting-config", "enable=on,target=native,arg=image", "-icount", "shift=5", "-kernel", image])
 
 
-def run_here(name, scalar):
-    """Likewise tests/target/NAME.c, built for this machine."""
+def run_here(name, scalar, folders=()):
+    """Likewise tests/target/NAME.c, built for this machine, with these folders of firmware/ beside the core."""
     program = WORK / f"{name}-{scalar}"
     WORK.mkdir(parents=True, exist_ok=True)
     run([os.environ["CC"], "-std=c11", "-O2", "-ffp-contract=off", f"-DSSV_REAL_{scalar.upper()}",
          *(f"-I{ROOT}/{folder}" for folder in ("firmware/include", "firmware", "firmware/target")),
-         f"-I{SUPPORT}", f"-I{SHIPPED.parent}",
-         *sorted(CORE.glob("**/*.c")), SUPPORT / "sample.c", ROOT / f"tests/target/{name}.c", ROOT / "tests/target/no_board.c",
+         f"-I{SUPPORT}", f"-I{SHIPPED.parent}", "-isystem", MAVLINK / "include",
+         *sorted(CORE.glob("**/*.c")), *(file for folder in folders for file in sorted((ROOT / "firmware" / folder).glob("*.c"))),
+         SUPPORT / "sample.c", ROOT / f"tests/target/{name}.c", ROOT / "tests/target/no_board.c",
          "-lm", "-o", program])
     return printed([program])
 

@@ -14,6 +14,7 @@ TIMELINE_API = "firmware/include/ssv/timeline.h"
 LINK_API = "firmware/include/ssv/link.h"
 VEHICLE_API = "firmware/include/ssv/vehicle.h"
 GUIDANCE_API = "firmware/include/ssv/guidance.h"
+EXECUTIVE_API = "firmware/include/ssv/executive.h"
 ANSWER_API = "firmware/include/ssv/answer.h"
 CHECK_API = "firmware/include/ssv/check.h"
 FIELDS = "firmware/planner/model/fields.def"
@@ -28,9 +29,11 @@ MAY_INCLUDE = {
     "firmware/guidance": {*CORE_API, GUIDANCE_API, *MODEL},
     "firmware/link": {TIMELINE_API, LINK_API, "mavlink"},
     "firmware/vehicle": {TIMELINE_API, LINK_API, VEHICLE_API},
+    "firmware/executive": {*CORE_API, LINK_API, GUIDANCE_API, EXECUTIVE_API},
     "firmware/bench": {TIMELINE_API, LINK_API, VEHICLE_API},
     "firmware/target": set(),
-    "firmware/daemon": {*CORE_API, ANSWER_API, CHECK_API, GUIDANCE_API, FIELDS, "lcmtypes", "lcm"},
+    "firmware/daemon": {*CORE_API, ANSWER_API, CHECK_API, LINK_API, GUIDANCE_API, EXECUTIVE_API, "firmware/bench",
+                        FIELDS, "lcmtypes", "lcm"},
     "host/wire": {ANSWER_API, "lcmtypes", "fyaml", "jansson"},
     "host": {*CORE_API, ANSWER_API, CHECK_API, *WIRE_API, "lcmtypes", "lcm", "jansson"},
     "sim/physics": set(),
@@ -62,7 +65,7 @@ NOT_IN_CORE = {
 
 
 # What runs on the vehicle's own controller.
-ON_TARGET = {"firmware/link": "link", "firmware/vehicle": "vehicle"}
+ON_TARGET = {"firmware/link": "link", "firmware/vehicle": "vehicle", "firmware/executive": "executive"}
 NOT_ON_TARGET = ("heap", "input or output", "operating system", "libm past real.h")
 
 
@@ -123,6 +126,8 @@ def include_breaches(root, path, text, modules):
             yield "the vehicle stands on the link alone"
         if path == GUIDANCE_API and target not in CORE_API:
             yield "guidance stands on the planner alone"
+        if path == EXECUTIVE_API and target not in (LINK_API, GUIDANCE_API):
+            yield "the executive stands on link and guidance alone"
         if path in CORE_API and target not in CORE_API:
             yield f"the core's headers stand by themselves, without {target}"
         if module_of(target) != module_of(path):
@@ -213,6 +218,11 @@ class Layers(unittest.TestCase):
             ("firmware/link/vehicle.c", '#include "ssv/vehicle.h"'): "must not include firmware/include/ssv/vehicle.h",
             ("firmware/bench/planted.c", '#include "vehicle/thrust.h"'): "must not include firmware/vehicle/thrust.h",
             ("firmware/bench/planted.c", '#include "physics/world.h"'): "must not include sim/physics/world.h",
+            ("firmware/executive/planted.c", '#include "ssv/vehicle.h"'): "must not include firmware/include/ssv/vehicle.h",
+            ("firmware/executive/planted.c", '#include "bench/port.h"'): "must not include firmware/bench/port.h",
+            ("firmware/executive/planted.c", "void* p = malloc(3);"): "heap in the executive",
+            ("firmware/include/ssv/executive.h", '#include "ssv/answer.h"'): "the executive stands on link and guidance alone",
+            ("firmware/vehicle/planted.c", '#include "ssv/executive.h"'): "must not include firmware/include/ssv/executive.h",
             ("sim/sil/planted.c", '#include "ssv/planner.h"'): "must not include firmware/include/ssv/planner.h",
             ("sim/sil/planted.c", '#include "vehicle/thrust.h"'): "must not include firmware/vehicle/thrust.h",
             ("sim/sil/planted.c", '#include "lcm_ssv_plan_t.h"'): "must not include lcmtypes",

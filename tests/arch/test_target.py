@@ -11,6 +11,7 @@ import shutil
 import sys
 import unittest
 
+import onboard
 import target
 from core import ROOT, run
 
@@ -25,12 +26,15 @@ MOST_ARGUMENTS = 24  # bytes: arguments that a function saves itself; the compil
 BUDGETS = ROOT / "tests/bench/budgets.csv"
 COLUMNS = ["core", "scalar", "what", "figure", "budget"]
 MARGIN = 0.05
+ONBOARD = {("m4f", scalar, onboard.ALL): scalar for scalar in ("fixed", "float")}
 # What the project has set itself; held with the compiler of the budgets.
 GOALS = {("m3", "fixed", "planner", "text_bytes"): 128 * 1024,
          ("m3", "fixed", "planner", "static_ram_bytes"): 64 * 1024,
          **{("m3", "fixed", name, "stack_bytes"): 8 * 1024 for name in API},
          ("m3", "fixed", "paper_case optimal", "instructions"): 60_000_000,
-         ("m7", "float", "paper_case optimal", "instructions"): 10_000_000}
+         ("m7", "float", "paper_case optimal", "instructions"): 10_000_000,
+         **{(*key, "text_bytes"): 48 * 1024 for key in ONBOARD},
+         **{(*key, "ram_bytes"): 32 * 1024 for key in ONBOARD}}
 
 
 def compiler():
@@ -109,6 +113,10 @@ class Target(unittest.TestCase):
             cls.images = {key: future.result() for key, future in images.items()}
             cls.here = {scalar: target.planned(future.result()[0]) for scalar, future in here.items()}
         cls.figures = {key: number for image in cls.images.values() for key, number in image.figures().items()}
+        for key, scalar in ONBOARD.items():
+            found = onboard.measure(onboard.ALL, scalar)
+            for figure in ("text_bytes", "image_text_bytes", "ram_bytes", "stack_bytes"):
+                cls.figures[*key, figure] = getattr(found, figure)
 
     def test_every_core_plans_the_shipped_scenarios_and_random_tasks_at_the_price_of_the_double_build_here(self):
         for (cpu, scalar), image in self.images.items():
@@ -194,6 +202,16 @@ class Target(unittest.TestCase):
         print("Cortex-m3, fixed: operation, hash, mean and most instructions of a call", *lines, sep="\n  ")
         here, _ = target.run_here("arithmetic", "fixed")
         self.assertEqual([line.split()[:2] for line in lines], [line.split()[:2] for line in here])
+
+    def test_a_flight_to_the_mate_gives_the_same_commands_to_the_last_bit_as_here(self):
+        here = target.run_here("fly", "fixed", ("link", "vehicle", "guidance"))
+        print("fixed: steps of guidance, phase, hash of all efforts, thrusts and trims", *here[0], sep="\n  ")
+        self.assertEqual(here[1], 0)
+        self.assertGreater(len(here[0]), 10)
+        for (cpu, scalar), image in self.images.items():
+            if scalar == "fixed":
+                with self.subTest(cpu=cpu):
+                    self.assertEqual(target.emulate(cpu, image.folder / "bin/fly.elf"), here)
 
     def test_no_archive_needs_a_heap_and_a_fixed_one_no_floating_point_either(self):
         heap = r"(m|c|re)alloc|free|_sbrk"

@@ -2,10 +2,10 @@
 // checksum is reached: any message with any payload, requests of the file transfer with the paths and the session that
 // there are, commands with the plan hashes that there are, and bytes as they stand. Time goes on between them. Whatever
 // comes, what is live is sound.
-#include <stdlib.h>
 #include <string.h>
 
 #define MAVLINK_NO_CONVERSION_HELPERS
+#include "check.h"
 #include "link/bytes.h"
 #include "link/timeline_file.h"
 #include "ssv/link.h"
@@ -42,12 +42,8 @@ static const uint32_t ids[] = {MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL,
                                MAVLINK_MSG_ID_SETUP_SIGNING,
                                MAVLINK_MSG_ID_ODOMETRY};
 
-/// Kinds of steps: below the first a message of any kind, then requests, commands, bytes.
-enum { FIRST_REQUEST = 150, FIRST_COMMAND = 220, BYTES = 255 };
-
-static void check(bool holds) {
-    if (!holds) abort();
-}
+/// Kinds of steps, of STEP_KINDS: below the first a message of any kind, then requests, commands, bytes.
+enum { FIRST_REQUEST = 5, FIRST_COMMAND = 11, BYTES = 15, STEP_KINDS = 16 };
 
 static void begin(void) {
     static const ssv_link_parameter_t parameters[] = {{"A", 1}, {"B", 2}};
@@ -92,12 +88,26 @@ static void to_vehicle(const uint8_t* bytes, size_t length) {
     }
 }
 
+// Names are looked up by these numbers, and texts are read up to their zero.
+static void check_event(const ssv_link_planner_event_t* event) {
+    switch (event->kind) {
+        case SSV_LINK_PLANNER_EXECUTION:
+            check(event->of.execution.phase <= SSV_LINK_DONE && event->of.execution.reason < SSV_LINK_NUM_REASONS);
+            break;
+        case SSV_LINK_PLANNER_TEXT: check(memchr(event->of.text.text, 0, sizeof event->of.text.text) != NULL); break;
+        case SSV_LINK_PLANNER_ANSWERED: check(event->of.answer.reason < SSV_LINK_NUM_REASONS); break;
+        case SSV_LINK_PLANNER_UPLOAD_FAILED: check(event->of.upload < SSV_LINK_NUM_REASONS); break;
+        default: break;
+    }
+}
+
 static void to_planner(const uint8_t* bytes, size_t length) {
     for (size_t at = 0; at < length;) {
         ssv_link_planner_event_t event;
         const size_t took = ssv_link_planner_receive(&planner, now_us, bytes + at, length - at, &event);
         check((took > 0 || event.kind != 0) && took <= length - at);
         at += took;
+        check_event(&event);
     }
 }
 
@@ -130,11 +140,14 @@ static size_t make_frame(uint8_t from, uint32_t id, const uint8_t* payload, uint
     return mavlink_msg_to_send_buffer(frame, &message);
 }
 
-// Makes a request of the file transfer out of the payload's first bytes; the rest is the data.
+// Makes a request of the file transfer out of the payload's first bytes; the rest is the data. Most requests are of the
+// kinds that move a file, and from whoever has the session, for only those get past its checks.
 static size_t make_request(uint8_t from, const uint8_t* payload, uint8_t* frame) {
     static const char* const paths[] = {"/plan/incoming", "/plan/live", "/plan/header", "/log/events"};
+    static const uint8_t common[] = {4, 5, 6, 7, 15, 4, 5, 7, 15, 11, 14, 1};
     mavlink_file_transfer_protocol_t out = {.target_system = 1, .target_component = 1};
-    const uint8_t opcode = payload[1] % 16;
+    const uint8_t kind = payload[1] % 16, opcode = kind < sizeof common ? common[kind] : payload[2] % 16;
+    if (vehicle.server.open && payload[3] % 8 < 5) from = vehicle.server.compid == 195 ? 2 : 0;
     memcpy(out.payload + 8, payload + 4, sizeof out.payload - 8 < 243 ? sizeof out.payload - 8 : 243);
     out.payload[0] = payload[0];
     out.payload[2] = (uint8_t)(vehicle.server.session + (payload[3] % 8 == 7));
@@ -162,28 +175,29 @@ static size_t make_command(uint8_t from, const uint8_t* payload, uint8_t* frame)
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     begin();
-    for (int step = 0; step < MAX_STEPS && size >= 4; step++) {
-        const uint8_t kind = data[0], from = data[1], wait = data[2];
-        uint8_t length = data[3], payload[255] = {0}, frame[SSV_LINK_FRAME_BYTES_MAX];
-        data += 4;
-        size -= 4;
+    for (int step = 0; step < MAX_STEPS && size >= 5; step++) {
+        const uint8_t kind = data[0], from = data[1], wait = data[2], id = data[3];
+        uint8_t length = data[4], payload[255] = {0}, frame[SSV_LINK_FRAME_BYTES_MAX];
+        data += 5;
+        size -= 5;
         if (length > size) length = (uint8_t)size;
         memcpy(payload, data, length);
         data += length;
         size -= length;
-        now_us += INT64_C(20000) * wait * wait;
+        // Mostly a while in which nothing is over yet.
+        now_us += wait % 8 == 7 ? INT64_C(20000) * wait * wait : INT64_C(1000) * wait;
         size_t num_bytes = length;
-        if (kind == BYTES)
+        if (kind % STEP_KINDS == BYTES)
             memcpy(frame, payload, length);
-        else if (kind >= FIRST_COMMAND)
+        else if (kind % STEP_KINDS >= FIRST_COMMAND)
             num_bytes = make_command(from, payload, frame);
-        else if (kind >= FIRST_REQUEST)
+        else if (kind % STEP_KINDS >= FIRST_REQUEST)
             num_bytes = make_request(from, payload, frame);
         else
-            num_bytes = make_frame(from, ids[kind % (sizeof ids / sizeof *ids)], payload, length, frame);
+            num_bytes = make_frame(from, ids[id % (sizeof ids / sizeof *ids)], payload, length, frame);
         to_vehicle(frame, num_bytes);
         to_planner(frame, num_bytes);
-        if ((from & 0x80) != 0) talk();
+        if ((kind & 0x10) != 0) talk();
         check_vehicle();
     }
     return 0;

@@ -5,15 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "check.h"
 #include "link/bytes.h"
 #include "link/timeline_file.h"
 #include "ssv/link.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
-
-static void check(bool holds) {
-    if (!holds) abort();
-}
 
 // A header that nothing is wrong with but its counts and events.
 static void mend_header(uint8_t* file) {

@@ -1,6 +1,6 @@
-"""Runs the fuzzer SSV_FUZZ_PROGRAM on its corpus SSV_FUZZ_CORPUS and on inputs drawn from it, SSV_FUZZ_RUNS inputs for
-each of the corpus in all, some 10 s (a count, so that a busy machine tries no less and a seed tries the same again);
-with SSV_LONG for 10 minutes. The seed is printed; SSV_SEED=N takes it again. A failing input is printed in hex, with the
+"""Runs the fuzzer SSV_FUZZ_PROGRAM on its corpus SSV_FUZZ_CORPUS and on inputs drawn from it: for SSV_FUZZ_SECONDS where
+that is set, else SSV_FUZZ_RUNS inputs for each of the corpus in all, some 10 s (a count, so that a busy machine tries no
+less and a seed tries the same again); with SSV_LONG for 10 minutes. The seed is printed; SSV_SEED=N takes it again. A failing input is printed in hex, with the
 command that runs it again."""
 
 import os
@@ -12,8 +12,7 @@ from pathlib import Path
 
 PROGRAM = Path(os.environ["SSV_FUZZ_PROGRAM"])
 CORPUS = Path(os.environ["SSV_FUZZ_CORPUS"])
-RUNS = int(os.environ["SSV_FUZZ_RUNS"])
-LONG_S = 600
+SECONDS = 600 if os.environ.get("SSV_LONG") else int(os.environ.get("SSV_FUZZ_SECONDS", "0"))
 SEED = int(os.environ.get("SSV_SEED", "20250801"))
 
 
@@ -24,8 +23,8 @@ class Fuzz(unittest.TestCase):
             new.mkdir()
             found.mkdir()
             size = max(file.stat().st_size for file in CORPUS.iterdir())
-            span = (f"-max_total_time={LONG_S}" if os.environ.get("SSV_LONG")
-                    else f"-runs={RUNS * len(list(CORPUS.iterdir()))}")
+            span = (f"-max_total_time={SECONDS}" if SECONDS
+                    else f"-runs={int(os.environ['SSV_FUZZ_RUNS']) * len(list(CORPUS.iterdir()))}")
             run = subprocess.run([PROGRAM, new, CORPUS, span, f"-seed={SEED}", f"-max_len={size}",
                                   "-len_control=0", "-timeout=100", "-print_final_stats=1", f"-artifact_prefix={found}/"],
                                  stderr=subprocess.PIPE, text=True, errors="replace")

@@ -371,7 +371,7 @@ static void test_a_trim_counts_in_full_then_fades_then_the_vehicle_stops(void) {
     steps(60);
     TEST_ASSERT_FLOAT_WITHIN(1e-5F, without_N, pilot.sil.output.u_N[5]);
     steps(40);
-    TEST_ASSERT_EQUAL(SSV_LINK_TRACKING, pilot.sil.vehicle.state.reason);
+    TEST_ASSERT_EQUAL(SSV_LINK_BEAT_LOST, pilot.sil.vehicle.state.reason);
     TEST_ASSERT_EQUAL(SSV_LINK_BRAKING, phase());
 }
 
@@ -453,6 +453,21 @@ static void test_no_sequence_of_commands_beats_and_uploads_breaks_what_must_hold
     TEST_ASSERT_GREATER_THAN(10000, num_flown); // ticks: or the sequences say nothing
 }
 
+// The fuzzer found it: by an attitude that is none a brake could push along the motion.
+static void test_navigation_whose_attitude_is_not_of_unit_length_is_passed_over(void) {
+    static ssv_controller_t vehicle;
+    static ssv_vehicle_config_t defaults;
+    ssv_link_pose_t pose = {.q_IS = {0.1F, 0.2F, 0, 0}};
+    ssv_vehicle_config_default(&defaults, 1);
+    TEST_ASSERT_TRUE(ssv_vehicle_init(&vehicle, &defaults));
+    ssv_vehicle_navigate(&vehicle, 0, &pose);
+    TEST_ASSERT_FALSE(vehicle.state.pose.known);
+    pose.q_IS[0] = 0.6F;
+    pose.q_IS[1] = 0.8F;
+    ssv_vehicle_navigate(&vehicle, 0, &pose);
+    TEST_ASSERT_TRUE(vehicle.state.pose.known);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_disarmed_is_no_thrust_of_zero_but_no_number);
@@ -470,6 +485,7 @@ int main(void) {
     RUN_TEST(test_a_start_wants_beats_and_a_session_that_was_not_flown);
     RUN_TEST(test_a_trim_counts_in_full_then_fades_then_the_vehicle_stops);
     RUN_TEST(test_trims_that_are_old_or_of_others_or_for_another_time_are_passed_over);
+    RUN_TEST(test_navigation_whose_attitude_is_not_of_unit_length_is_passed_over);
     RUN_TEST(test_no_sequence_of_commands_beats_and_uploads_breaks_what_must_hold);
     return UNITY_END();
 }
