@@ -3,9 +3,10 @@ set -euo pipefail
 help="Usage: bash host/demo.sh
 
 Builds, starts the planner ssv-plannerd, sends it the paper's case study over LCM, and prints the paper's Tables 5-7 beside
-what comes back by the paper's method, and what method optimal saves. Stops the planner again and leaves no process and no file behind, whatever happens.
+what comes back by the paper's method, and what method optimal saves. Then flies it in simulation, in rough water. Stops what it
+started and leaves no process and no file behind, whatever happens.
 
-Exit codes: 0 every plan arrived, 1 the set-up or the build failed or a plan did not arrive, 64 wrong arguments."
+Exit codes: 0 every plan arrived and the flight docked, 1 the set-up or the build failed or one of them did not, 64 wrong arguments."
 
 if (($# > 0)); then
     case $1 in

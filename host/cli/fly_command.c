@@ -27,8 +27,13 @@
 /// [s] How often a terminal's line is rewritten.
 #define LINE_PERIOD_S 0.1
 #define LINE_COLUMNS_MAX 200
+/// [s] From when on a vehicle that says nothing is worth a word.
+#define SILENCE_S 0.5
 /// [s] Longest time constant of thrusters that ssv-plannerd takes.
 #define LAG_MAX_S 10.0
+
+/// Exit codes of ssv-sim: conditions that are none; no port, or no bus.
+enum { SIM_EXIT_INPUT = 65, SIM_EXIT_PORT = 69 };
 
 static const char doc[] =
     "Plans the task of a scenario file and has it flown: in simulation with --sim, by a real vehicle with --lcm alone. "
@@ -136,25 +141,28 @@ static void note_legs(flight_t* flight, const lcm_ssv_execution_t* news) {
 
 // ---- What is shown meanwhile ----------------------------------------------------------------------------------------
 
+/// Whole millimetres, none of them -0.
+static long mm(double m) { return lround(1e3 * m); }
+
 static void describe(const flight_t* flight, const lcm_ssv_execution_t* news, char* text, size_t size) {
     const char* const state = name_of(&names_state, news->state);
-    char silence[40] = "";
-    if (news->link_silence_s > 0.5) snprintf(silence, sizeof silence, ", silent for %.1f s", news->link_silence_s);
+    char link[64] = "";
+    const int length =
+        news->link_lost > 0 ? snprintf(link, sizeof link, ", %" PRId64 " frames lost", news->link_lost) : 0;
+    if (news->link_silence_s > SILENCE_S)
+        snprintf(link + length, sizeof link - (size_t)length, ", silent for %.1f s", news->link_silence_s);
     if (news->state == LCM_SSV_EXECUTION_T_STATE_UPLOADING) {
-        snprintf(text, size, "%s %d of %d bytes; link: %" PRId64 " lost%s", state, news->uploaded_bytes,
-                 news->upload_bytes, news->link_lost, silence);
+        snprintf(text, size, "%s %d of %d bytes%s", state, news->uploaded_bytes, news->upload_bytes, link);
     } else if (news->state == LCM_SSV_EXECUTION_T_STATE_TRACKING) {
         const lcm_ssv_leg_t* leg = &flight->plan->legs[flight->leg_at];
-        snprintf(text, size,
-                 "%s to %s: %.1f of %.1f s, leg %d of %d (%s)%s, %.0f mm behind, %.0f mm beside; link: %" PRId64
-                 " lost%s",
-                 state, name_of(&names_goal, news->goal), news->plan_time_s, news->plan_duration_s, flight->leg_at + 1,
-                 flight->plan->num_legs, name_of(&names_kind, leg->kind), news->clock_rate > 0 ? "" : ", waits",
-                 1e3 * news->behind_m, 1e3 * news->beside_m, news->link_lost, silence);
+        snprintf(text, size, "%s to %s: %.1f of %.1f s, leg %d/%d %s%s, %ld mm behind, %ld beside%s", state,
+                 name_of(&names_goal, news->goal), news->plan_time_s, news->plan_duration_s, flight->leg_at + 1,
+                 flight->plan->num_legs, name_of(&names_kind, leg->kind), news->clock_rate > 0 ? "" : " waits",
+                 mm(news->behind_m), mm(news->beside_m), link);
     } else if (news->state == LCM_SSV_EXECUTION_T_STATE_ENDED) {
         snprintf(text, size, "%s", name_of(&names_outcome, news->outcome));
     } else {
-        snprintf(text, size, "%s; link: %" PRId64 " lost%s", state, news->link_lost, silence);
+        snprintf(text, size, "%s%s", state, link);
     }
 }
 
@@ -190,8 +198,8 @@ static void show(flight_t* flight, const lcm_ssv_execution_t* news) {
     flight->num_texts = news->num_texts;
     if (!flight->on_terminal || t_s < flight->line_at_s || news->state == LCM_SSV_EXECUTION_T_STATE_ENDED) return;
     struct winsize window;
-    const bool is_known = ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 12;
-    fprintf(stderr, "\r\033[K%8.1f s  %.*s", news->time_s, is_known ? window.ws_col - 13 : 66, text);
+    const bool is_known = ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0;
+    fprintf(stderr, "\r\033[K%.*s", is_known ? window.ws_col - 1 : 79, text);
     flight->line_is_open = true;
     flight->line_at_s = t_s + LINE_PERIOD_S;
 }
@@ -315,9 +323,10 @@ static int start(simulation_t* simulation, const flight_t* flight, int64_t* plan
     char error[1024] = "the planner told no id", reason[1024], link[16], lockstep[16];
     if (!start_simulator(simulation, flight, link, lockstep, sizeof link, error, sizeof error)) {
         const bool has_ended = simulation->simulator.output >= 0 && !process_runs(&simulation->simulator);
+        const int code = has_ended ? process_end(&simulation->simulator, false) : 0;
         if (has_ended) last_line(&simulation->simulator, error, sizeof error);
         fprintf(stderr, "ssv: %s\n", error);
-        return has_ended && simulation->conditions[0] != '\0' ? EXIT_INVALID : EXIT_FAILED;
+        return code == SIM_EXIT_INPUT ? EXIT_INVALID : code == SIM_EXIT_PORT ? EXIT_NO_ANSWER : EXIT_FAILED;
     }
     if (!start_planner(simulation, flight, link, lockstep, planner_id, error, sizeof error)) {
         const bool has_ended = simulation->planner.output >= 0 && !process_runs(&simulation->planner);

@@ -283,8 +283,8 @@ static void flown_row(FILE* out, const char* phase, const char* kind, double tim
                       const report_leg_t* flown) {
     fprintf(out, "  %-10s %-10s %12.3f", phase, kind, time_s);
     if (flown->begun) {
-        fprintf(out, " %11.3f %11.3f %14.3f %11.3f %+8.1f%s\n", flown->time_s, flown->wait_s, impulse_Ns,
-                flown->impulse_Ns, 100 * (flown->impulse_Ns / impulse_Ns - 1), flown->ended ? "" : "  not to its end");
+        fprintf(out, " %11.3f %11.3f %14.3f %11.3f%s\n", flown->time_s, flown->wait_s, impulse_Ns, flown->impulse_Ns,
+                flown->ended ? "" : "  not to its end");
     } else {
         fprintf(out, " %11s %11s %14.3f %11s\n", "-", "-", impulse_Ns, "-");
     }
@@ -313,8 +313,8 @@ bool report_flight_table(FILE* out, const void* report) {
     report_leg_t all = {true, end->outcome == LCM_SSV_EXECUTION_T_OUTCOME_DOCKED, end->flown_s, end->impulse_Ns, 0};
     fprintf(out, "%s: %s", base_name(flight->plan.path), name_of(&names_outcome, end->outcome));
     if (end->outcome != LCM_SSV_EXECUTION_T_OUTCOME_DOCKED && end->reason[0] != '\0') fprintf(out, ": %s", end->reason);
-    fprintf(out, "\n\n  %-10s %-10s %12s %11s %11s %14s %11s %8s\n", "phase", "leg", "predicted s", "flown s",
-            "of it wait", "predicted N s", "flown N s", "%");
+    fprintf(out, "\n\n  %-10s %-10s %12s %11s %11s %14s %11s\n", "phase", "leg", "predicted s", "flown s", "of it wait",
+            "predicted N s", "flown N s");
     for (int i = 0; i < plan->num_legs; i++) {
         const lcm_ssv_leg_t* leg = &plan->legs[i];
         flown_row(out, name_of(&names_phase, leg->phase), name_of(&names_kind, leg->kind), leg->duration_s,
@@ -322,6 +322,10 @@ bool report_flight_table(FILE* out, const void* report) {
         all.wait_s += flight->legs[i].wait_s;
     }
     flown_row(out, "in all", "", plan->quote.time_s, plan->quote.impulse_Ns, &all);
+    if (all.ended) {
+        fprintf(out, "  %+.1f %% time, %+.1f %% impulse\n", 100 * (end->flown_s / plan->quote.time_s - 1),
+                100 * (end->impulse_Ns / plan->quote.impulse_Ns - 1));
+    }
     if (end->num_plans > 1) {
         fprintf(out, "  strayed and was planned anew %d times; the legs are those of the first plan\n",
                 end->num_plans - 1);

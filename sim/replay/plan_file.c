@@ -1,5 +1,6 @@
 #include "plan_file.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -14,6 +15,9 @@
 #define UNIT_TOLERANCE 1e-3
 #define PI 3.14159265358979323846
 
+/// A few roundings in float; the other arithmetics' are below every tolerance here.
+#define FLOAT_ROUNDING (4.0 * (double)FLT_EPSILON)
+
 /// Ranges wide enough for any vehicle in any tank; they keep the arithmetic finite.
 typedef enum { POSITIVE, NOT_NEGATIVE, ANY } sign_t;
 #define LARGEST 1e10
@@ -25,6 +29,7 @@ typedef struct {
     char* error;
     size_t error_size;
     bool failed;
+    double rounding; ///< [-] of a number, relative, by the arithmetic that the plan was computed in
 } reader_t;
 
 __attribute__((format(printf, 3, 4))) static void fail(reader_t* reader, const char* path, const char* format, ...) {
@@ -144,14 +149,15 @@ static void take_choice(reader_t* reader, const lcm_ssv_scenario_t* scenario, co
     plan->contact = choice->contact;
 
     const double h = number(reader, "plan.quote.choice.attach_height_m", choice->attach_height_m, ANY);
+    const double rounding_m = 1e-9 + reader->rounding * fabs(h);
     bool listed = options->num_attach_heights <= 0 || options->attach_anywhere;
     for (int i = 0; i < options->num_attach_heights && i < 8; i++) {
-        listed = fabs(options->attach_heights_m[i] - h) <= 1e-9 || listed;
+        listed = fabs(options->attach_heights_m[i] - h) <= rounding_m || listed;
     }
     if (!listed) {
         fail(reader, "plan.quote.choice.attach_height_m", "%.9g is not among scenario.options.attach_heights_m", h);
     }
-    if (fabs(h) > plan->beam.length_m / 2 + 1e-9) {
+    if (fabs(h) > plan->beam.length_m / 2 + rounding_m) {
         fail(reader, "plan.quote.choice.attach_height_m", "%.9g is off the beam, which ends at +-%.9g", h,
              plan->beam.length_m / 2);
     }
@@ -160,27 +166,33 @@ static void take_choice(reader_t* reader, const lcm_ssv_scenario_t* scenario, co
     plan->ring_angle_rad = number(reader, "plan.quote.choice.ring_angle_rad", choice->ring_angle_rad, ANY);
     if (options->ring_angle_given) {
         const double asked_rad = number(reader, "scenario.options.ring_angle_rad", options->ring_angle_rad, ANY);
-        if (fabs(remainder(plan->ring_angle_rad - asked_rad, 2 * PI)) > 1e-9) {
+        if (fabs(remainder(plan->ring_angle_rad - asked_rad, 2 * PI)) > 1e-9 + reader->rounding * PI) {
             fail(reader, "plan.quote.choice.ring_angle_rad", "%.9g is not the %.9g of scenario.options.ring_angle_rad",
                  plan->ring_angle_rad, asked_rad);
         }
     }
 }
 
+static double tolerance_at(const reader_t* reader, double t_s) {
+    return PLAN_TIME_TOLERANCE_S + reader->rounding * fabs(t_s);
+}
+
 /// Where an event falls: how many segments end at or before it. An event within a segment is refused.
 static size_t segments_before(reader_t* reader, const char* path, const lcm_ssv_event_t* event, int8_t kind,
-                              const plan_file_t* plan) {
+                              const lcm_ssv_plan_t* from) {
+    const double tolerance_s = tolerance_at(reader, event->t_s);
     if (event->kind != kind) {
         fail(reader, path, "must be of kind \"%s\": a plan mates, then docks",
              kind == LCM_SSV_EVENT_T_KIND_MATE ? "mate" : "dock");
     }
     double end_s = 0;
     size_t n = 0;
-    while (n < plan->num_segments && end_s + plan->segment[n].duration_s <= event->t_s + PLAN_TIME_TOLERANCE_S) {
-        end_s += plan->segment[n].duration_s;
+    while (n < (size_t)from->num_segments &&
+           from->segments[n].t_s + from->segments[n].duration_s <= event->t_s + tolerance_s) {
+        end_s = from->segments[n].t_s + from->segments[n].duration_s;
         n++;
     }
-    if (!(fabs(end_s - event->t_s) <= PLAN_TIME_TOLERANCE_S)) {
+    if (!(fabs(end_s - event->t_s) <= tolerance_s)) {
         fail(reader, path, "t_s %.9g is not where a timeline segment ends", event->t_s);
     }
     return n;
@@ -193,7 +205,7 @@ static void take_segments(reader_t* reader, const lcm_ssv_plan_t* from, plan_fil
         plan_segment_t* const to = &plan->segment[i];
         char path[64], list[96];
         snprintf(path, sizeof path, "plan.segments[%d]", i);
-        if (!(fabs(segment->t_s - end_s) <= PLAN_TIME_TOLERANCE_S)) {
+        if (!(fabs(segment->t_s - end_s) <= tolerance_at(reader, end_s))) {
             fail(reader, path, "starts at t_s %.9g, must start at %.9g where the one before ends", segment->t_s, end_s);
         }
         if (!(segment->duration_s > 0)) {
@@ -229,8 +241,8 @@ static void take_timeline(reader_t* reader, const lcm_ssv_plan_t* from, plan_fil
         return;
     }
     plan->num_transit_segments =
-        segments_before(reader, "plan.events[0]", &from->events[0], LCM_SSV_EVENT_T_KIND_MATE, plan);
-    if (segments_before(reader, "plan.events[1]", &from->events[1], LCM_SSV_EVENT_T_KIND_DOCK, plan) !=
+        segments_before(reader, "plan.events[0]", &from->events[0], LCM_SSV_EVENT_T_KIND_MATE, from);
+    if (segments_before(reader, "plan.events[1]", &from->events[1], LCM_SSV_EVENT_T_KIND_DOCK, from) !=
         plan->num_segments) {
         fail(reader, "plan.events[1]", "must be where the timeline ends");
     }
@@ -248,6 +260,7 @@ static void take_timeline(reader_t* reader, const lcm_ssv_plan_t* from, plan_fil
 
 static void take_plan(reader_t* reader, const lcm_ssv_scenario_t* scenario, const lcm_ssv_plan_t* from,
                       plan_file_t* plan) {
+    reader->rounding = from->answer.planner.scalar == LCM_SSV_PLANNER_T_SCALAR_FLOAT ? FLOAT_ROUNDING : 0;
     plan->request_id = from->answer.asker.request_id;
     plan->time_s = number(reader, "plan.quote.time_s", from->quote.time_s, NOT_NEGATIVE);
     plan->impulse_Ns = number(reader, "plan.quote.impulse_Ns", from->quote.impulse_Ns, NOT_NEGATIVE);
@@ -274,7 +287,7 @@ static bool read_messages(reader_t* reader, const char* text, size_t size, lcm_s
 }
 
 bool plan_file_read(const char* path, plan_file_t* plan, char* error, size_t error_size) {
-    reader_t reader = {strcmp(path, "-") == 0 ? "standard input" : path, error, error_size, false};
+    reader_t reader = {strcmp(path, "-") == 0 ? "standard input" : path, error, error_size, false, 0};
     tree_error_t unreadable = {error, error_size};
     lcm_ssv_scenario_t scenario;
     lcm_ssv_plan_t message;

@@ -14,7 +14,7 @@
 
 #define PLAN_THRUSTERS 6
 
-/// Two instants of a plan file closer than this are one.
+/// Two instants of a plan file closer than this are one; of one that was computed in float, a rounding more.
 #define PLAN_TIME_TOLERANCE_S 1e-6
 
 /// Each thrust runs on a straight line from its start to its end value.

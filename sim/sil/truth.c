@@ -21,7 +21,9 @@ truth_t* truth_open(const char* url, char* error, size_t error_size) {
     truth_t* truth = calloc(1, sizeof *truth);
     if (truth != NULL) truth->lcm = lcm_create(url[0] == '\0' ? NULL : url);
     if (truth != NULL && truth->lcm != NULL) return truth;
-    (void)snprintf(error, error_size, "no LCM on %s", url[0] == '\0' ? "its default" : url);
+    (void)snprintf(error, error_size,
+                   "no LCM on %s; for UDP multicast the machine needs a route, e.g. ip route add 224.0.0.0/4 dev lo",
+                   url[0] == '\0' ? "its default URL" : url);
     free(truth);
     return NULL;
 }

@@ -86,7 +86,8 @@ class TablesTest(unittest.TestCase):
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         for words in ("Table 5", "Table 6", "Table 7", "Why they differ",
                       "9 plans by the paper's method received over LCM", "thrust segments each, planned in",
-                      "3 plans by method optimal, effort best, received over LCM"):
+                      "3 plans by method optimal, effort best, received over LCM", "flown s", "times real time",
+                      ": hit, attempt"):
             self.assertIn(words, done.stdout)
         self.assertLessEqual(max(map(len, done.stdout.splitlines())), 120)
         lines = [line for line in done.stdout.splitlines() if line.startswith("for ")]
