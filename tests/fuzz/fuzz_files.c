@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lcm_ssv_execution_t.h"
 #include "lcm_ssv_plan_t.h"
 #include "lcm_ssv_quote_batch_t.h"
 #include "scenario_file.h"
@@ -50,6 +51,7 @@ static void read_plan(const char* text, size_t size) {
 static void read_message(const uint8_t* data, size_t size) {
     lcm_ssv_plan_t plan;
     lcm_ssv_quote_batch_t quotes;
+    lcm_ssv_execution_t execution;
     if (wire_is_message("plan_t", data, size)) {
         CHECK(lcm_ssv_plan_t_decode(data, 0, (int)size, &plan) == (int)size);
         lcm_ssv_plan_t_decode_cleanup(&plan);
@@ -57,6 +59,10 @@ static void read_message(const uint8_t* data, size_t size) {
     if (wire_is_message("quote_batch_t", data, size)) {
         CHECK(lcm_ssv_quote_batch_t_decode(data, 0, (int)size, &quotes) == (int)size);
         lcm_ssv_quote_batch_t_decode_cleanup(&quotes);
+    }
+    if (wire_is_message("execution_t", data, size)) {
+        CHECK(lcm_ssv_execution_t_decode(data, 0, (int)size, &execution) == (int)size);
+        lcm_ssv_execution_t_decode_cleanup(&execution);
     }
 }
 
