@@ -75,9 +75,16 @@ ssv_price_t ssv_path_price(const ssv_phase_path_t* transit, const ssv_phase_path
     return price;
 }
 
-ssv_candidate_t ssv_candidate_of(const ssv_grasp_t* grasp, const ssv_price_t* price) {
-    ssv_candidate_t candidate = {grasp->contact, grasp->height_m, grasp->ring_angle_rad, price->outcome, REAL(0),
-                                 REAL(0),        REAL(0)};
+ssv_candidate_t ssv_candidate_of(const ssv_grasp_t* grasp, const ssv_price_t* price, const ssv_clearance_t* clearance) {
+    ssv_candidate_t candidate = {.contact = grasp->contact,
+                                 .attach_height_m = grasp->height_m,
+                                 .ring_angle_rad = grasp->ring_angle_rad,
+                                 .outcome = price->outcome};
+    if (price->outcome == SSV_NO_WAY) {
+        candidate.body = clearance->body;
+        candidate.obstacle = clearance->obstacle;
+        candidate.clearance_m = clearance->seen_m;
+    }
     if (price->outcome == SSV_FEASIBLE) {
         candidate.time_s = price->time_s;
         candidate.impulse_Ns = price->impulse_Ns;
