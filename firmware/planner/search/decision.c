@@ -216,9 +216,31 @@ SSV_OWN_FRAME pose_t ssv_decision_start(const ssv_phase_context_t* context, cons
     return motion.X_from;
 }
 
+bool ssv_motion_keeps_clear(const ssv_phase_context_t* context, const ssv_motion_t* motion,
+                            ssv_clearance_t* clearance) {
+    const ssv_problem_t* problem = context->question->problem;
+    const ssv_flight_t flight = {&problem->scenario, &problem->around, &motion->assembly,      motion->X_from,
+                                 context->contact,   motion->maneuver, SSV_MAX_PHASE_MANEUVERS};
+    return ssv_keeps_clear(&flight, SSV_SHORTFALL_BRACKET_M, clearance);
+}
+
+// What comes too near pays for it, the more the nearer it comes, so that the search slides out of what is in the way.
+SSV_OWN_FRAME static real_t with_shortfall(const ssv_phase_context_t* context, const ssv_motion_t* motion,
+                                           real_t price) {
+    ssv_clearance_t clearance;
+    if (ssv_motion_keeps_clear(context, motion, &clearance)) return price;
+    const real_t lacks_m = context->question->problem->scenario.margin_m - clearance.seen_m;
+    const real_t pays = real_mul(SSV_SHORTFALL_PER_M, real_max(REAL(0), real_min(SSV_SHORTFALL_MOST_M, lacks_m)));
+    return real_mul(price, SSV_SHORTFALL_AT_LEAST + pays);
+}
+
 static bool estimate(const ssv_phase_context_t* context, const ssv_motion_t* motion, real_t* price) {
-    return ssv_maneuvers_estimate(context->question, &motion->assembly, motion->maneuver, SSV_MAX_PHASE_MANEUVERS,
-                                  context->closeness, price);
+    if (!ssv_maneuvers_estimate(context->question, &motion->assembly, motion->maneuver, SSV_MAX_PHASE_MANEUVERS,
+                                context->closeness, price)) {
+        return false;
+    }
+    if (context->question->problem->around.counts) *price = with_shortfall(context, motion, *price);
+    return true;
 }
 
 real_t ssv_decision_price(ssv_phase_context_t* context, const ssv_decision_t* decision) {

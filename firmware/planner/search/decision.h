@@ -6,6 +6,7 @@
 
 #include "planner/model/body.h"
 #include "planner/model/grasp.h"
+#include "planner/motion/clearance.h"
 #include "planner/motion/maneuver.h"
 #include "planner/motion/path.h"
 #include "planner/motion/question.h"
@@ -99,6 +100,9 @@ void ssv_decision_attitudes(const ssv_phase_context_t* context, const ssv_decisi
 /// The motion of a decision: turn about a pivot, fly on while turning from one attitude of travel to the other, turn
 /// about a pivot.
 void ssv_decision_motion(const ssv_phase_context_t* context, const ssv_decision_t* decision, ssv_motion_t* motion);
+
+/// Whether the motion keeps the margin; if not, *clearance says where it does so least, roughly.
+bool ssv_motion_keeps_clear(const ssv_phase_context_t* context, const ssv_motion_t* motion, ssv_clearance_t* clearance);
 
 /// Where the motion of a decision begins.
 pose_t ssv_decision_start(const ssv_phase_context_t* context, const ssv_decision_t* decision);

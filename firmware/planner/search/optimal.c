@@ -46,21 +46,32 @@ static void price_phase(const ssv_question_t* question, const ssv_motion_t* moti
     ssv_phase_path_price(question, &motion->assembly, NULL, phase);
 }
 
+// A motion that comes too near something is none, whatever it costs.
+static void refuse_contact(const ssv_phase_context_t* context, const ssv_motion_t* motion, ssv_phase_path_t* phase,
+                           ssv_clearance_t* clearance) {
+    if (!context->question->problem->around.counts || phase->price.outcome != SSV_FEASIBLE) return;
+    if (!ssv_motion_keeps_clear(context, motion, clearance)) phase->maneuver_price[0].outcome = SSV_NO_WAY;
+}
+
 // The exact price of what was found, and its path in *best if that is cheaper.
 SSV_OWN_FRAME static ssv_candidate_t price_exactly(const ssv_phase_context_t* context, const ssv_decision_t* transfer,
                                                    const ssv_decision_t* transit, ssv_path_t* best) {
     ssv_motion_t motion;
     ssv_phase_path_t to_port, to_beam;
+    ssv_clearance_t clearance;
     ssv_decision_motion(context, transfer, &motion);
     const ssv_grasp_t grasp = ssv_phase_grasp(context, &motion.X_from);
     const pose_t X_SB = motion.assembly.X_SB;
     price_phase(context->question, &motion, &to_port);
+    refuse_contact(context, &motion, &to_port, &clearance);
     const ssv_phase_context_t before = ssv_transit_context(context, &motion.X_from);
     ssv_decision_motion(&before, transit, &motion);
     price_phase(context->question, &motion, &to_beam);
+    if (ssv_path_price(&to_beam, &to_port).outcome == SSV_FEASIBLE)
+        refuse_contact(&before, &motion, &to_beam, &clearance);
     const ssv_price_t price = ssv_path_price(&to_beam, &to_port);
     if (ssv_price_beats(&price, &best->price)) ssv_path_join(&grasp, &to_beam, &to_port, X_SB, best);
-    return ssv_candidate_of(&grasp, &price);
+    return ssv_candidate_of(&grasp, &price, &clearance);
 }
 
 ssv_candidate_t ssv_optimal_search(const ssv_search_t* search, int contact, real_t height_m, ssv_effort_t effort) {

@@ -2,6 +2,7 @@
 
 #include "planner/model/body.h"
 #include "planner/model/grasp.h"
+#include "planner/motion/clearance.h"
 #include "planner/motion/maneuver.h"
 #include "planner/profile/estimate.h"
 #include "planner/search/bound.h"
@@ -89,6 +90,17 @@ void ssv_paper_search_begin(ssv_paper_search_t* search, const ssv_question_t* qu
     search->num_priced = 0;
 }
 
+// A path that comes too near something is none, whatever it costs.
+static void refuse_contact(ssv_paper_search_t* search, const ssv_assembly_t* assembly, int contact, pose_t X_IS,
+                           ssv_phase_path_t* phase) {
+    const ssv_problem_t* problem = search->question->problem;
+    if (!problem->around.counts || phase->price.outcome != SSV_FEASIBLE) return;
+    const ssv_flight_t flight = {&problem->scenario, &problem->around,    assembly, X_IS, contact,
+                                 phase->maneuver,    phase->num_maneuvers};
+    if (ssv_keeps_clear(&flight, SSV_SHORTFALL_BRACKET_M, &search->clearance)) return;
+    phase->maneuver_price[0].outcome = phase->price.outcome = SSV_NO_WAY;
+}
+
 // The cheapest transit to a grasp, into search->transit.
 static void find_transit(ssv_paper_search_t* search, const ssv_grasp_t* grasp) {
     const ssv_question_t* question = search->question;
@@ -112,7 +124,10 @@ static void find_transfer(ssv_paper_search_t* search, const ssv_assembly_t* pair
         ssv_phase_path_t transfer;
         num_axes = lay_transfer(&question->problem->scenario, pair, contact, X_IS, k, &transfer);
         ssv_phase_path_price(question, pair, NULL, &transfer);
-        if (k == 0 || ssv_price_beats(&transfer.price, &best->price)) *best = transfer;
+        if (k == 0 || ssv_price_beats(&transfer.price, &best->price)) {
+            refuse_contact(search, pair, contact, X_IS, &transfer);
+            if (k == 0 || transfer.price.outcome == SSV_FEASIBLE) *best = transfer;
+        }
         search->num_priced++;
     }
 }
@@ -130,11 +145,14 @@ bool ssv_paper_search(ssv_paper_search_t* search, int contact, real_t height_m, 
         find_transit(search, &grasp);
         const pose_t X_mate = end_of(&search->transit, problem->scenario.X_IS);
         const ssv_assembly_t pair = ssv_vehicle_with_beam(problem, height_m, X_mate.q);
-        ssv_phase_path_t transfer;
+        const ssv_assembly_t alone = ssv_vehicle_alone(problem);
+        ssv_phase_path_t transit = search->transit, transfer;
         find_transfer(search, &pair, contact, X_mate, &transfer);
-        const ssv_price_t price = ssv_path_price(&search->transit, &transfer);
+        if (transfer.price.outcome == SSV_FEASIBLE)
+            refuse_contact(search, &alone, contact, problem->scenario.X_IS, &transit);
+        const ssv_price_t price = ssv_path_price(&transit, &transfer);
         if (!found || ssv_price_beats(&price, &path->price)) {
-            ssv_path_join(&grasp, &search->transit, &transfer, pair.X_SB, path);
+            ssv_path_join(&grasp, &transit, &transfer, pair.X_SB, path);
         }
         found = true;
     }
