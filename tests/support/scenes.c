@@ -198,6 +198,26 @@ scene_nearest_t scene_nearest(const ssv_scenario_t* s, const ssv_plan_t* plan, i
     return nearest;
 }
 
+double scene_distance(const ssv_scenario_t* s, const ssv_plan_t* plan, int leg, double at, bool is_beam, int obstacle) {
+    double q_IB[4], q_SB[4], q[4], q_now[4];
+    point_t p;
+    quat_numbers(s->X_IB.q, q_IB);
+    quat_numbers(plan->X_SB.q, q_SB);
+    pose_on(&plan->leg[leg], at, &p, q);
+    product(q, q_SB, q_now);
+    const tube_t lying = beam_tube(s, q_IB, point_of(s->X_IB.p));
+    const tube_t body = is_beam ? beam_tube(s, q_now, along(p, 1, turned(q, point_of(plan->X_SB.p))))
+                                : ball(p, real_to_double(s->vehicle.radius_m));
+    return obstacle == SSV_OBSTACLE_BEAM   ? tube_to_tube(&body, &lying)
+           : obstacle == SSV_OBSTACLE_TANK ? tube_to_tank(&body, &s->scene->tank)
+                                           : to_obstacle(&body, &s->scene->obstacle[obstacle]);
+}
+
+double scene_apart(const ssv_obstacle_t* capsule, const ssv_obstacle_t* obstacle) {
+    const tube_t body = tube_of(capsule);
+    return to_obstacle(&body, obstacle);
+}
+
 // ---- Tasks ----
 
 // The hub of the paper: a ball, and three ports around its axis.
@@ -245,7 +265,8 @@ ssv_scenario_t scene_task(scene_kind_t kind, ssv_scene_t* scene) {
     s.method = SSV_METHOD_OPTIMAL;
     s.want_candidates = false;
     s.contact = 1 + sample_below(2);
-    s.standoff_m = real_from_double(sample_below(2) == 1 ? 0.3025 : 0.3631);
+    // Hull and tube touch. With less, the vehicle cannot hold a docked beam by the ring next to the hub.
+    s.standoff_m = real_from_double(0.3631);
     s.weight_time_per_s = real_from_double(weight[0]);
     s.weight_impulse_per_Ns = real_from_double(weight[1]);
     const double length = real_to_double(s.beam.length_m), tube = real_to_double(s.beam.radius_m);

@@ -23,4 +23,11 @@ typedef struct {
 } scene_nearest_t;
 scene_nearest_t scene_nearest(const ssv_scenario_t* scenario, const ssv_plan_t* plan, int poses);
 
+/// How far the body is from one obstacle of the scenario's, s along a leg.
+double scene_distance(const ssv_scenario_t* scenario, const ssv_plan_t* plan, int leg, double s, bool is_beam,
+                      int obstacle);
+
+/// How far two capsules, or a capsule and a wall, are apart.
+double scene_apart(const ssv_obstacle_t* capsule, const ssv_obstacle_t* obstacle);
+
 #endif

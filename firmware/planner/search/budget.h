@@ -58,7 +58,9 @@ typedef struct {
     int num_modes, num_seeds;           ///< attitude modes of a transfer, and seeds of each; none: go on from screening
     ssv_stage_t rounds[SSV_NUM_ROUNDS]; ///< refinement of the transfer, round after round
     ssv_stage_t transit;                ///< refinement of the transit
-    ssv_stage_t joint;                  ///< refinement of the transfer once more, with the price of both phases
+    ssv_stage_t evasion[2]; ///< refinement of fresh seeds, of the transit and of the transfer, where what was
+                            ///< found comes too near something
+    ssv_stage_t joint;      ///< refinement of the transfer once more, with the price of both phases
 } ssv_budget_t;
 
 extern const ssv_budget_t ssv_budgets[2]; ///< by ssv_effort_t

@@ -224,6 +224,14 @@ bool ssv_motion_keeps_clear(const ssv_phase_context_t* context, const ssv_motion
     return ssv_keeps_clear(&flight, SSV_SHORTFALL_BRACKET_M, clearance);
 }
 
+SSV_OWN_FRAME bool ssv_decision_keeps_clear(const ssv_phase_context_t* context, const ssv_decision_t* decision) {
+    if (!context->question->problem->around.counts) return true;
+    ssv_motion_t motion;
+    ssv_clearance_t clearance;
+    ssv_decision_motion(context, decision, &motion);
+    return ssv_motion_keeps_clear(context, &motion, &clearance);
+}
+
 // What comes too near pays for it, the more the nearer it comes, so that the search slides out of what is in the way.
 SSV_OWN_FRAME static real_t with_shortfall(const ssv_phase_context_t* context, const ssv_motion_t* motion,
                                            real_t price) {

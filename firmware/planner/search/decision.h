@@ -104,6 +104,9 @@ void ssv_decision_motion(const ssv_phase_context_t* context, const ssv_decision_
 /// Whether the motion keeps the margin; if not, *clearance says where it does so least, roughly.
 bool ssv_motion_keeps_clear(const ssv_phase_context_t* context, const ssv_motion_t* motion, ssv_clearance_t* clearance);
 
+/// Whether its motion does.
+bool ssv_decision_keeps_clear(const ssv_phase_context_t* context, const ssv_decision_t* decision);
+
 /// Where the motion of a decision begins.
 pose_t ssv_decision_start(const ssv_phase_context_t* context, const ssv_decision_t* decision);
 

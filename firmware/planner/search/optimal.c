@@ -11,6 +11,12 @@
 #include "planner/search/seed.h"
 #include "ssv/vec3.h"
 
+static ssv_seeds_t fresh(ssv_phase_context_t* context, ssv_memory_t* memory, int num_modes, int num_seeds) {
+    const ssv_seeds_t seeds = ssv_screen_transfers(context, memory, num_modes, num_seeds);
+    for (int k = 0; k < seeds.num; k++) ssv_screen_both_ways_up(context, &memory->capability, &seeds.seed[k]);
+    return seeds;
+}
+
 // Seeds of the transfer with the price of their transits: those that screening kept, or fresh ones.
 static ssv_seeds_t begin(ssv_phase_context_t* context, ssv_memory_t* memory, const ssv_budget_t* budget) {
     if (budget->num_modes == 0) {
@@ -19,9 +25,7 @@ static ssv_seeds_t begin(ssv_phase_context_t* context, ssv_memory_t* memory, con
         for (int k = 0; k < seeds.num; k++) seeds.seed[k] = memory->screened[k];
         return seeds;
     }
-    const ssv_seeds_t seeds = ssv_screen_transfers(context, memory, budget->num_modes, budget->num_seeds);
-    for (int k = 0; k < seeds.num; k++) ssv_screen_both_ways_up(context, &memory->capability, &seeds.seed[k]);
-    return seeds;
+    return fresh(context, memory, budget->num_modes, budget->num_seeds);
 }
 
 // The best transfer and its transit that the budget finds.
@@ -32,6 +36,13 @@ SSV_OWN_FRAME static void find(ssv_phase_context_t* context, ssv_memory_t* memor
     ssv_seeds_drop_duplicates(&seeds);
     for (int n = 0; n < SSV_NUM_ROUNDS; n++) {
         ssv_minimize_seeds(context, &budget->acceptance, &budget->rounds[n], &seeds);
+    }
+    const ssv_stage_t* evasion = &budget->evasion[SSV_TRANSFER];
+    if (evasion->num_refined > 0 && !ssv_decision_keeps_clear(context, &seeds.seed[0].decision)) {
+        seeds = fresh(context, memory, 3, 3);
+        ssv_seeds_sort(&seeds, seeds.num);
+        ssv_seeds_drop_duplicates(&seeds);
+        ssv_minimize_seeds(context, &budget->acceptance, evasion, &seeds);
     }
     *transfer = seeds.seed[0].decision;
     real_t price = seeds.seed[0].price +
