@@ -199,7 +199,7 @@ void ssv_plan_clearance(const ssv_problem_t* problem, const ssv_plan_t* plan, co
         for (; num < plan->num_legs && plan->leg[num].phase == (ssv_phase_t)phase; num++) {
             const ssv_leg_t* leg = &plan->leg[num];
             maneuver[flight.num_maneuvers++] =
-                (ssv_maneuver_t){leg->phase, leg->kind, {leg->v_S, leg->w_S}, leg->length};
+                (ssv_maneuver_t){leg->phase, leg->kind, {leg->v_S, leg->w_S}, leg->length, REAL(0)};
         }
         if (flight.num_maneuvers > 0) ssv_clearance_add(&flight, &rule, first, clearance);
     }

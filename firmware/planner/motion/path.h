@@ -12,8 +12,8 @@
 /// On functions whose large frame must not become part of their caller's: the stack is the planner's work memory.
 #define SSV_OWN_FRAME __attribute__((noinline))
 
-/// Turn, translate, turn.
-#define SSV_MAX_PHASE_MANEUVERS 3
+/// Turn, translate, turn, approach.
+#define SSV_MAX_PHASE_MANEUVERS 4
 
 /// The path of one phase: its maneuvers, what each of them costs, and what they cost together.
 typedef struct {

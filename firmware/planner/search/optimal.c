@@ -52,8 +52,8 @@ SSV_OWN_FRAME static void find(ssv_phase_context_t* context, ssv_memory_t* memor
 }
 
 static void price_phase(const ssv_question_t* question, const ssv_motion_t* motion, ssv_phase_path_t* phase) {
-    phase->num_maneuvers = SSV_MAX_PHASE_MANEUVERS;
-    for (int k = 0; k < SSV_MAX_PHASE_MANEUVERS; k++) phase->maneuver[k] = motion->maneuver[k];
+    phase->num_maneuvers = motion->num_maneuvers;
+    for (int k = 0; k < motion->num_maneuvers; k++) phase->maneuver[k] = motion->maneuver[k];
     ssv_phase_path_price(question, &motion->assembly, NULL, phase);
 }
 

@@ -21,18 +21,32 @@ static real_t straight_price(const ssv_question_t* question, const ssv_assembly_
     return real_mul(translation->length, per_metre);
 }
 
+// The last of three maneuvers is an approach.
+static void limit(const ssv_scenario_t* scenario, const ssv_assembly_t* assembly, ssv_phase_path_t* phase) {
+    for (int k = 0; k < phase->num_maneuvers; k++) ssv_maneuver_limit(scenario, assembly, k == 2, &phase->maneuver[k]);
+}
+
 // Fly to the grasp with the attitude held, then turn +x onto the beam's axis the shortest way. Half a turn has no
 // shortest way: axis k of several. @return how many there are.
 static int lay_transit(const ssv_scenario_t* scenario, const ssv_grasp_t* grasp, int k, ssv_phase_path_t* phase) {
     const quat_t q_SI = quat_conj(scenario->X_IS.q);
-    const vec3_t d_S = quat_apply(q_SI, vec3_sub(ssv_grasp_position(scenario, grasp), scenario->X_IS.p));
-    const vec3_t goal_S = quat_apply(q_SI, vec3_neg(ssv_grasp_radial(scenario, grasp)));
+    const vec3_t radial_I = ssv_grasp_radial(scenario, grasp), mate_I = ssv_grasp_position(scenario, grasp);
+    const real_t approach_m = scenario->approach_mate_m;
+    const vec3_t to_I = approach_m > REAL(0) ? vec3_add(mate_I, vec3_scale(approach_m, radial_I)) : mate_I;
+    const vec3_t d_S = quat_apply(q_SI, vec3_sub(to_I, scenario->X_IS.p));
+    const vec3_t goal_S = quat_apply(q_SI, vec3_neg(radial_I));
     vec3_t axis[SSV_NUM_TURN_AXES];
     real_t angle;
     const int num_axes = ssv_grasp_turn_axes(vec3(REAL(1), REAL(0), REAL(0)), goal_S, axis, &angle);
     phase->num_maneuvers = 2;
     phase->maneuver[0] = ssv_maneuver_translate(SSV_TRANSIT, d_S);
     phase->maneuver[1] = ssv_maneuver_turn(SSV_TRANSIT, axis[k], angle, vec3(REAL(0), REAL(0), REAL(0)));
+    if (approach_m > REAL(0)) {
+        phase->maneuver[phase->num_maneuvers++] =
+            ssv_maneuver_translate(SSV_TRANSIT, vec3(approach_m, REAL(0), REAL(0)));
+    }
+    const ssv_assembly_t alone = {&scenario->vehicle, NULL, {{REAL(0), REAL(0), REAL(0)}, quat_identity()}};
+    limit(scenario, &alone, phase);
     return num_axes;
 }
 
@@ -51,7 +65,15 @@ static int lay_transfer(const ssv_scenario_t* scenario, const ssv_assembly_t* pa
     const pose_t turned = ssv_maneuver_pose(X_IS, phase->maneuver[0].twist, phase->maneuver[0].length);
     const vec3_t p_IE = pose_mul(turned, pose_mul(pair->X_SB, (pose_t){p_BE, quat_identity()})).p;
     const vec3_t d_I = vec3_sub(scenario->p_IP_m, p_IE);
-    phase->maneuver[1] = ssv_maneuver_translate(SSV_TRANSFER, quat_apply(quat_conj(turned.q), d_I));
+    const vec3_t way_I = vec3_scale(-scenario->approach_dock_m, scenario->axis_I);
+    const bool approaches = scenario->approach_dock_m > REAL(0);
+    phase->maneuver[1] =
+        ssv_maneuver_translate(SSV_TRANSFER, quat_apply(quat_conj(turned.q), approaches ? vec3_sub(d_I, way_I) : d_I));
+    if (approaches) {
+        phase->maneuver[phase->num_maneuvers++] =
+            ssv_maneuver_translate(SSV_TRANSFER, quat_apply(quat_conj(turned.q), way_I));
+    }
+    limit(scenario, pair, phase);
     return num_axes;
 }
 
