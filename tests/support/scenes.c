@@ -177,8 +177,11 @@ scene_nearest_t scene_nearest(const ssv_scenario_t* s, const ssv_plan_t* plan, i
             const tube_t hull = ball(p, radius);
             product(q, q_SB, q_now);
             const tube_t beam = beam_tube(s, q_now, along(p, 1, turned(q, point_of(plan->X_SB.p))));
-            if (leg->phase == SSV_TRANSIT && !mates)
-                take(&nearest, tube_to_tube(&hull, &lying), k, at, SSV_OBSTACLE_BEAM, false);
+            // On the last stretch it may be as deep as when it has mated, and a little more for rounding.
+            const double mated = real_to_double(s->standoff_m) - radius - beam_radius,
+                         to_beam = tube_to_tube(&hull, &lying);
+            if (leg->phase == SSV_TRANSIT && !(mates && to_beam >= mated - 0.0011))
+                take(&nearest, to_beam, k, at, SSV_OBSTACLE_BEAM, false);
             for (int o = 0; scene != NULL && o < scene->num_obstacles; o++) {
                 if ((s->obstacles >> o & 1) == 0) continue;
                 const bool ports_own = docks && to_obstacle(&port, &scene->obstacle[o]) < 1e-6;

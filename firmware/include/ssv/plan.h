@@ -114,11 +114,11 @@ typedef struct {
 typedef struct {
     real_t certified_m, seen_m; ///< [m] the least distance is between these two, which are at most 5 mm apart;
                                 ///< negative: inside
-    int leg;           ///< where seen_m was seen: on this leg,
-    real_t s;          ///< [m or rad] so far along it,
-    ssv_moving_t body; ///< between this body
-    int obstacle;      ///< and this obstacle of the scene, SSV_OBSTACLE_BEAM or SSV_OBSTACLE_TANK; if it is
-                       ///< SSV_OBSTACLE_NONE the rest is 0
+    int leg;                    ///< where seen_m was seen: on this leg,
+    real_t s;                   ///< [m or rad] so far along it,
+    ssv_moving_t body;          ///< between this body
+    int obstacle;               ///< and this obstacle of the scene, SSV_OBSTACLE_BEAM or SSV_OBSTACLE_TANK; if it is
+                                ///< SSV_OBSTACLE_NONE the rest is 0
 } ssv_clearance_t;
 
 /// What a task costs.

@@ -85,8 +85,10 @@ typedef struct {
     bool counts;             ///< whether there is anything to keep clear of
     ssv_obstacles_t all;     ///< what there is
     ssv_obstacles_t at_port; ///< what the docked contact may touch
+    ssv_obstacles_t left;    ///< what the vehicle may touch where it starts
     ssv_obstacle_t beam;     ///< the beam as it lies
-    real_t mating_m;         ///< [m] length of the last stretch before mating,
+    real_t leaving_m;        ///< [m] length of the first stretch, 0 if nothing is left,
+    real_t mating_m;         ///< [m] of the last stretch before mating,
     real_t docking_m;        ///< [m] and before docking
 } ssv_surroundings_t;
 

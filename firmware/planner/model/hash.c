@@ -53,11 +53,12 @@ static uint64_t hash_body(uint64_t hash, const ssv_body_t* body) {
 #define HASH_KEPT_FIELD(kind, core, wire, min, max, unit, text) hash = HASH_##kind(core);
 
 // What the mask selects, with its number: the answer names obstacles by it.
-static uint64_t hash_scene(uint64_t hash, const ssv_scene_t* scene, uint64_t obstacles) {
+static uint64_t hash_scene(uint64_t hash, const ssv_scene_t* scene, uint64_t obstacles, uint64_t left) {
     for (int k = 0; k < SSV_MAX_OBSTACLES; k++) {
         if ((obstacles >> k & 1) == 0 || scene == NULL) continue;
         const ssv_obstacle_t obstacle = scene->obstacle[k];
         hash = hash_int(hash, k);
+        if ((left >> k & 1) != 0) hash = hash_int(hash, -1);
         SSV_OBSTACLE_FIELDS(HASH_KEPT_FIELD)
         if (obstacle.kind == SSV_CAPSULE) {
             SSV_CAPSULE_FIELDS(HASH_KEPT_FIELD)
@@ -84,7 +85,7 @@ static uint64_t hash_later(uint64_t hash, const ssv_scenario_t* scenario) {
     if (false SSV_LATER_FIELDS(IS_ASKED_FOR)) {
         SSV_LATER_FIELDS(HASH_FIELD)
     }
-    return hash_scene(hash, scenario->scene, scenario->obstacles);
+    return hash_scene(hash, scenario->scene, scenario->obstacles, scenario->left);
 }
 
 uint64_t ssv_scenario_hash(const ssv_scenario_t* scenario) {

@@ -86,8 +86,11 @@ void ssv_surroundings_of(const ssv_scenario_t* scenario, const ssv_scene_t* scen
         if (ssv_capsule_to_obstacle(&contact, &scene->obstacle[k]) < REAL(0))
             around->at_port.obstacles |= UINT64_C(1) << k;
     }
+    around->left = (ssv_obstacles_t){around->all.obstacles & scenario->left, false, false};
     const real_t approach_mate = scenario->approach_mate_m, approach_dock = scenario->approach_dock_m;
     const real_t lacks = margin + scenario->vehicle.radius_m + scenario->beam.radius_m - scenario->standoff_m;
-    around->mating_m = real_max(approach_mate > REAL(0) ? approach_mate : LAST_STRETCH_M, lacks + STRETCH_ROOM_M);
+    const real_t at_least = lacks + STRETCH_ROOM_M;
+    around->leaving_m = around->left.obstacles != 0 ? real_max(LAST_STRETCH_M, at_least) : REAL(0);
+    around->mating_m = real_max(approach_mate > REAL(0) ? approach_mate : LAST_STRETCH_M, at_least);
     around->docking_m = approach_dock > REAL(0) ? approach_dock : LAST_STRETCH_M;
 }

@@ -15,9 +15,14 @@
 #define PLAN_BRACKET_M REAL(0.0045)
 #define PLAN_POSES 32768
 
+// How much deeper a contact may become that is allowed [m]. Larger, and that can be seen; smaller, and the last pose of
+// each approach takes many steps.
+#define DEEPER_M REAL(1e-3)
+
 // A stretch of a maneuver, and what still matters to each body there.
 typedef struct {
     real_t from, to;
+    bool leaves, arrives; // whether it is part of the first stretch of all, or of the last
     ssv_obstacles_t near[NUM_BODIES];
 } stretch_t;
 
@@ -56,24 +61,53 @@ static bool settles(const track_t* track, ssv_moving_t body, int obstacle, real_
     return true;
 }
 
+static real_t distance_to(const ssv_surroundings_t* around, const ssv_capsule_t* body, int obstacle) {
+    return obstacle == SSV_OBSTACLE_TANK   ? ssv_capsule_to_tank(body, &around->scene->tank)
+           : obstacle == SSV_OBSTACLE_BEAM ? ssv_capsule_to_obstacle(body, &around->beam)
+                                           : ssv_capsule_to_obstacle(body, &around->scene->obstacle[obstacle]);
+}
+
+static bool holds(const ssv_obstacles_t* set, int obstacle) {
+    return obstacle == SSV_OBSTACLE_TANK   ? set->tank
+           : obstacle == SSV_OBSTACLE_BEAM ? set->beam
+                                           : (set->obstacles >> obstacle & 1) != 0;
+}
+
+// What is lent to a contact that is allowed here, so that it has enough where it is as deep as at its own end.
+static real_t lent(const track_t* track, ssv_moving_t body, int obstacle, const stretch_t* stretch) {
+    const ssv_surroundings_t* around = track->flight->around;
+    const ssv_scenario_t* s = track->flight->scenario;
+    real_t at_end = track->rule->enough_m;
+    if (stretch->leaves && body == SSV_BODY_VEHICLE && holds(&around->left, obstacle)) {
+        const ssv_capsule_t hull = ssv_hull_at(s, s->X_IS.p);
+        at_end = distance_to(around, &hull, obstacle) - DEEPER_M;
+    } else if (stretch->arrives && body == SSV_BODY_VEHICLE && obstacle == SSV_OBSTACLE_BEAM) {
+        at_end = s->standoff_m - s->vehicle.radius_m - s->beam.radius_m - DEEPER_M;
+    } else if (stretch->arrives && body == SSV_BODY_BEAM && holds(&around->at_port, obstacle)) {
+        const ssv_capsule_t docked = ssv_beam_from(s, s->p_IP_m, s->axis_I);
+        at_end = distance_to(around, &docked, obstacle) - DEEPER_M;
+    }
+    return real_max(REAL(0), track->rule->enough_m - at_end);
+}
+
+static bool look_at(const track_t* track, ssv_moving_t body, const ssv_capsule_t* shape, int obstacle, real_t s,
+                    real_t reach_m, bool is_last, const stretch_t* stretch) {
+    real_t distance_m = distance_to(track->flight->around, shape, obstacle);
+    if (stretch->leaves || stretch->arrives) distance_m += lent(track, body, obstacle, stretch);
+    return settles(track, body, obstacle, distance_m, s, reach_m, is_last);
+}
+
 // Looks at one body in the middle of a stretch and leaves what still matters.
 static void look(const track_t* track, ssv_moving_t body, const ssv_capsule_t* shape, real_t s, real_t reach_m,
-                 bool is_last, ssv_obstacles_t* near) {
-    const ssv_surroundings_t* around = track->flight->around;
+                 bool is_last, stretch_t* stretch) {
+    ssv_obstacles_t* near = &stretch->near[body];
     is_last = is_last || reach_m <= RESOLUTION_M;
     for (uint64_t left = near->obstacles; left != 0; left &= left - 1) {
         const int k = __builtin_ctzll(left);
-        const real_t distance_m = ssv_capsule_to_obstacle(shape, &around->scene->obstacle[k]);
-        if (settles(track, body, k, distance_m, s, reach_m, is_last)) near->obstacles &= ~(left & (0 - left));
+        if (look_at(track, body, shape, k, s, reach_m, is_last, stretch)) near->obstacles &= ~(left & (0 - left));
     }
-    if (near->beam) {
-        const real_t distance_m = ssv_capsule_to_obstacle(shape, &around->beam);
-        near->beam = !settles(track, body, SSV_OBSTACLE_BEAM, distance_m, s, reach_m, is_last);
-    }
-    if (near->tank) {
-        const real_t distance_m = ssv_capsule_to_tank(shape, &around->scene->tank);
-        near->tank = !settles(track, body, SSV_OBSTACLE_TANK, distance_m, s, reach_m, is_last);
-    }
+    near->beam = near->beam && !look_at(track, body, shape, SSV_OBSTACLE_BEAM, s, reach_m, is_last, stretch);
+    near->tank = near->tank && !look_at(track, body, shape, SSV_OBSTACLE_TANK, s, reach_m, is_last, stretch);
 }
 
 static bool matters(const ssv_obstacles_t* near) { return near->obstacles != 0 || near->beam || near->tank; }
@@ -92,14 +126,12 @@ static void follow(const track_t* track, stretch_t stretch[MAX_STRETCHES], int n
         const bool is_last = poses >= track->rule->most_poses || num == MAX_STRETCHES;
         if (matters(&last->near[SSV_BODY_VEHICLE])) {
             const ssv_capsule_t hull = ssv_hull_at(s, X_IS.p);
-            look(track, SSV_BODY_VEHICLE, &hull, middle, real_mul(track->speed[SSV_BODY_VEHICLE], half), is_last,
-                 &last->near[SSV_BODY_VEHICLE]);
+            look(track, SSV_BODY_VEHICLE, &hull, middle, real_mul(track->speed[SSV_BODY_VEHICLE], half), is_last, last);
         }
         if (matters(&last->near[SSV_BODY_BEAM])) {
             const ssv_capsule_t beam = ssv_beam_from(s, vec3_add(X_IS.p, quat_apply(X_IS.q, track->p_SA_m)),
                                                      quat_apply(X_IS.q, track->axis_S));
-            look(track, SSV_BODY_BEAM, &beam, middle, real_mul(track->speed[SSV_BODY_BEAM], half), is_last,
-                 &last->near[SSV_BODY_BEAM]);
+            look(track, SSV_BODY_BEAM, &beam, middle, real_mul(track->speed[SSV_BODY_BEAM], half), is_last, last);
         }
         if (!matters(&last->near[SSV_BODY_VEHICLE]) && !matters(&last->near[SSV_BODY_BEAM])) {
             num--;
@@ -112,6 +144,12 @@ static void follow(const track_t* track, stretch_t stretch[MAX_STRETCHES], int n
 }
 
 static real_t speed_of(ssv_twist_t twist, vec3_t p_S) { return vec3_norm(vec3_add(twist.v, vec3_cross(twist.w, p_S))); }
+
+// How much of a maneuver takes the point that moves at this speed so far.
+static real_t part_of(real_t way_m, real_t speed, real_t length) {
+    if (!(way_m > REAL(0))) return REAL(0);
+    return way_m >= real_mul(speed, length) ? length : real_min(length, real_div(way_m, speed));
+}
 
 void ssv_clearance_add(const ssv_flight_t* flight, const ssv_clearance_rule_t* rule, int first_leg,
                        ssv_clearance_t* clearance) {
@@ -134,38 +172,43 @@ void ssv_clearance_add(const ssv_flight_t* flight, const ssv_clearance_rule_t* r
                      .leg = first_leg,
                      .clearance = clearance};
     real_t ahead_m = alone ? -around->mating_m : -around->docking_m;
+    real_t behind_m = alone ? around->leaving_m : REAL(0);
     for (int k = 0; k < flight->num_maneuvers; k++) {
         ahead_m += real_mul(speed_of(flight->maneuver[k].twist, p_SE), flight->maneuver[k].length);
     }
     for (int k = 0; k < flight->num_maneuvers; k++) {
         const ssv_maneuver_t* maneuver = &flight->maneuver[k];
-        const real_t length = maneuver->length, speed = speed_of(maneuver->twist, p_SE),
-                     way_m = real_mul(speed, length);
+        const real_t length = maneuver->length, speed = speed_of(maneuver->twist, p_SE);
         if (!(length > REAL(0))) continue;
         track.twist = maneuver->twist;
         track.speed[SSV_BODY_VEHICLE] = vec3_norm(maneuver->twist.v);
         track.speed[SSV_BODY_BEAM] = real_max(speed_of(maneuver->twist, p_SA), speed_of(maneuver->twist, p_SZ));
-        // Up to here nothing may be touched.
-        const real_t free = ahead_m >= way_m       ? length
-                            : !(ahead_m > REAL(0)) ? REAL(0)
-                                                   : real_min(length, real_div(ahead_m, speed));
+        const real_t left = part_of(behind_m, speed, length), arriving = part_of(ahead_m, speed, length);
+        const real_t cut[4] = {REAL(0), real_min(left, arriving), real_max(left, arriving), length};
         stretch_t stretch[MAX_STRETCHES];
         int num = 0;
-        if (free < length) {
-            stretch[num++] =
-                (stretch_t){free, length, {without(vehicle_near, beam), without(beam_near, around->at_port)}};
+        for (int n = 2; n >= 0; n--) {
+            if (!(cut[n] < cut[n + 1])) continue;
+            stretch_t* next = &stretch[num++];
+            *next = (stretch_t){cut[n], cut[n + 1], cut[n] < left, cut[n] >= arriving, {vehicle_near, beam_near}};
+            if (rule->judges_contacts) continue;
+            if (next->leaves) next->near[SSV_BODY_VEHICLE] = without(vehicle_near, around->left);
+            if (next->arrives) {
+                next->near[SSV_BODY_VEHICLE] = without(next->near[SSV_BODY_VEHICLE], beam);
+                next->near[SSV_BODY_BEAM] = without(beam_near, around->at_port);
+            }
         }
-        if (free > REAL(0)) stretch[num++] = (stretch_t){REAL(0), free, {vehicle_near, beam_near}};
         follow(&track, stretch, num);
         track.X_IS = ssv_maneuver_pose(track.X_IS, maneuver->twist, length);
         track.leg++;
-        ahead_m -= way_m;
+        ahead_m -= real_mul(speed, length);
+        behind_m -= real_mul(speed, length);
     }
 }
 
 bool ssv_keeps_clear(const ssv_flight_t* flight, real_t bracket_m, ssv_clearance_t* clearance) {
     const real_t enough_m = flight->scenario->margin_m + SSV_MARGIN_ROOM_M;
-    const ssv_clearance_rule_t rule = {enough_m, bracket_m, TRIAL_POSES};
+    const ssv_clearance_rule_t rule = {enough_m, bracket_m, true, TRIAL_POSES};
     ssv_clearance_begin(enough_m + bracket_m, clearance);
     ssv_clearance_add(flight, &rule, 0, clearance);
     return clearance->certified_m >= enough_m;
@@ -174,16 +217,17 @@ bool ssv_keeps_clear(const ssv_flight_t* flight, real_t bracket_m, ssv_clearance
 void ssv_clearance_at(const ssv_surroundings_t* around, const ssv_obstacles_t* obstacles, ssv_moving_t body,
                       const ssv_capsule_t* shape, ssv_clearance_t* clearance) {
     const ssv_flight_t flight = {.around = around};
-    const ssv_clearance_rule_t rule = {REAL(0), REAL(0), 1};
+    const ssv_clearance_rule_t rule = {REAL(0), REAL(0), false, 1};
     const track_t track = {.flight = &flight, .rule = &rule, .clearance = clearance};
-    ssv_obstacles_t near = *obstacles;
-    look(&track, body, shape, REAL(0), REAL(0), true, &near);
+    stretch_t here = {REAL(0), REAL(0), false, false, {{0, false, false}, {0, false, false}}};
+    here.near[body] = *obstacles;
+    look(&track, body, shape, REAL(0), REAL(0), true, &here);
 }
 
 void ssv_plan_clearance(const ssv_problem_t* problem, const ssv_plan_t* plan, const ssv_scene_t* scene,
                         uint64_t obstacles, ssv_clearance_t* clearance) {
     const ssv_scenario_t* scenario = &problem->scenario;
-    const ssv_clearance_rule_t rule = {scenario->margin_m, PLAN_BRACKET_M, PLAN_POSES};
+    const ssv_clearance_rule_t rule = {scenario->margin_m, PLAN_BRACKET_M, false, PLAN_POSES};
     ssv_surroundings_t around;
     ssv_surroundings_of(scenario, scene, obstacles, &around);
     ssv_clearance_begin(REAL_MAX / 64, clearance);

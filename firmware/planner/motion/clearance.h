@@ -18,9 +18,11 @@
 
 /// What a clearance is asked for.
 typedef struct {
-    real_t enough_m;  ///< so much must be certified: where it is, no more is asked
-    real_t bracket_m; ///< how far certified_m and seen_m may be apart where it is not
-    int most_poses;   ///< of a maneuver that are looked at; then what is left counts as it is known, never as too far
+    real_t enough_m;      ///< so much must be certified: where it is, no more is asked
+    real_t bracket_m;     ///< how far certified_m and seen_m may be apart where it is not
+    bool judges_contacts; ///< whether a contact that is allowed must be no deeper than it is where it ends, or begins;
+                          ///< else it is not looked at
+    int most_poses; ///< of a maneuver that are looked at; then what is left counts as it is known, never as too far
 } ssv_clearance_rule_t;
 
 /// Motion of a phase whose clearance is asked for.
@@ -41,7 +43,8 @@ void ssv_clearance_begin(real_t seen_m, ssv_clearance_t* clearance);
 void ssv_clearance_add(const ssv_flight_t* flight, const ssv_clearance_rule_t* rule, int first_leg,
                        ssv_clearance_t* clearance);
 
-/// Whether the motion keeps the margin; if not, *clearance says where it does so least, to bracket_m.
+/// Whether the motion keeps the margin; if not, *clearance says where it does so least, to bracket_m. Of a contact that
+/// is allowed it counts by how much it is too deep, from the margin on.
 bool ssv_keeps_clear(const ssv_flight_t* flight, real_t bracket_m, ssv_clearance_t* clearance);
 
 /// The clearance of one body at rest, over the obstacles given, into *clearance.

@@ -56,7 +56,8 @@ void ssv_room_check(const ssv_question_t* question, ssv_candidate_t* candidate) 
     const real_t enough_m = s->margin_m + SSV_MARGIN_ROOM_M, height_m = candidate->attach_height_m;
     const vec3_t axis_I = around->beam.axis_I;
     const ssv_obstacles_t scene = {around->all.obstacles, false, around->all.tank};
-    const ssv_obstacles_t start = {scene.obstacles, !starts_mating(s, around, height_m), scene.tank};
+    const ssv_obstacles_t start = {scene.obstacles & ~around->left.obstacles, !starts_mating(s, around, height_m),
+                                   scene.tank};
     const ssv_obstacles_t goal = {scene.obstacles & ~around->at_port.obstacles, false,
                                   scene.tank && !around->at_port.tank};
     const ssv_capsule_t hull = ssv_hull_at(s, s->X_IS.p), lying = ssv_beam_from(s, around->beam.p_I_m, axis_I),
