@@ -145,6 +145,21 @@ static void follow(const track_t* track, stretch_t stretch[MAX_STRETCHES], int n
 
 static real_t speed_of(ssv_twist_t twist, vec3_t p_S) { return vec3_norm(vec3_add(twist.v, vec3_cross(twist.w, p_S))); }
 
+// Of these obstacles, those that anything comes near enough to count for a trial: a way of some length between two
+// points stays within half of it around the middle between them.
+static uint64_t within_reach(const ssv_flight_t* flight, const ssv_clearance_rule_t* rule, vec3_t p_end, real_t way_m,
+                             real_t extent_m) {
+    const vec3_t middle = vec3_scale(REAL(0.5), vec3_add(flight->X_IS.p, p_end));
+    const real_t reach_m = real_mul(REAL(0.5), way_m) + extent_m + rule->enough_m + rule->bracket_m;
+    const ssv_capsule_t ball = {middle, vec3(REAL(0), REAL(0), REAL(0)), REAL(0), reach_m};
+    uint64_t near = flight->around->all.obstacles;
+    for (uint64_t left = near; left != 0; left &= left - 1) {
+        const ssv_obstacle_t* obstacle = &flight->around->scene->obstacle[__builtin_ctzll(left)];
+        if (ssv_capsule_to_obstacle(&ball, obstacle) >= REAL(0)) near &= ~(left & (0 - left));
+    }
+    return near;
+}
+
 // How much of a maneuver takes the point that moves at this speed so far.
 static real_t part_of(real_t way_m, real_t speed, real_t length) {
     if (!(way_m > REAL(0))) return REAL(0);
@@ -162,11 +177,24 @@ void ssv_clearance_add(const ssv_flight_t* flight, const ssv_clearance_rule_t* r
     // The last stretch is measured along the way of the vehicle before it mates, and of the contact before it docks.
     const vec3_t p_SE = alone ? vec3(REAL(0), REAL(0), REAL(0)) : flight->contact == 1 ? p_SA : p_SZ;
     const ssv_obstacles_t none = {0, false, false}, beam = {0, true, false};
-    const ssv_obstacles_t vehicle_near = alone ? around->all : without(around->all, beam);
+    pose_t at[SSV_MAX_LEGS + 1] = {flight->X_IS};
+    real_t way_m = REAL(0);
+    SSV_ASSERT(flight->num_maneuvers <= SSV_MAX_LEGS);
+    for (int k = 0; k < flight->num_maneuvers; k++) {
+        const ssv_maneuver_t* maneuver = &flight->maneuver[k];
+        const bool moves = maneuver->length > REAL(0);
+        at[k + 1] = moves ? ssv_maneuver_pose(at[k], maneuver->twist, maneuver->length) : at[k];
+        way_m += real_mul(vec3_norm(maneuver->twist.v), maneuver->length);
+    }
+    ssv_obstacles_t vehicle_near = alone ? around->all : without(around->all, beam);
+    if (rule->judges_contacts && vehicle_near.obstacles != 0) {
+        const real_t held_m = alone ? REAL(0) : real_max(vec3_norm(p_SA), vec3_norm(p_SZ)) + s->beam.radius_m;
+        const real_t extent_m = real_max(s->vehicle.radius_m, held_m);
+        vehicle_near.obstacles = within_reach(flight, rule, at[flight->num_maneuvers].p, way_m, extent_m);
+    }
     const ssv_obstacles_t beam_near = alone ? none : vehicle_near;
     track_t track = {.flight = flight,
                      .rule = rule,
-                     .X_IS = flight->X_IS,
                      .p_SA_m = p_SA,
                      .axis_S = quat_apply(X_SB.q, vec3(REAL(0), REAL(0), REAL(1))),
                      .leg = first_leg,
@@ -180,6 +208,7 @@ void ssv_clearance_add(const ssv_flight_t* flight, const ssv_clearance_rule_t* r
         const ssv_maneuver_t* maneuver = &flight->maneuver[k];
         const real_t length = maneuver->length, speed = speed_of(maneuver->twist, p_SE);
         if (!(length > REAL(0))) continue;
+        track.X_IS = at[k];
         track.twist = maneuver->twist;
         track.speed[SSV_BODY_VEHICLE] = vec3_norm(maneuver->twist.v);
         track.speed[SSV_BODY_BEAM] = real_max(speed_of(maneuver->twist, p_SA), speed_of(maneuver->twist, p_SZ));
@@ -199,7 +228,6 @@ void ssv_clearance_add(const ssv_flight_t* flight, const ssv_clearance_rule_t* r
             }
         }
         follow(&track, stretch, num);
-        track.X_IS = ssv_maneuver_pose(track.X_IS, maneuver->twist, length);
         track.leg++;
         ahead_m -= real_mul(speed, length);
         behind_m -= real_mul(speed, length);

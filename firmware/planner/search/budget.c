@@ -9,7 +9,7 @@ const ssv_budget_t ssv_budgets[2] = {
                           .closeness = SSV_ESTIMATE_ROUGHLY,
                           .acceptance = {.promise = REAL(1e-4), .least_bend = REAL(3e-3), .clearly = REAL(2e-4)},
                           .rounds = {{SSV_SCREENED_SEEDS, 1, false}},
-                          .evasion = {[SSV_TRANSIT] = {2, 2, false}, [SSV_TRANSFER] = {3, 2, false}}},
+                          .evasion = {[SSV_TRANSIT] = {2, 2, false}, [SSV_TRANSFER] = {6, 1, false}}},
     [SSV_EFFORT_BEST] = {.num_screened = SSV_MAX_CANDIDATES,
                          .num_searched = 2,
                          .closeness = SSV_ESTIMATE_CLOSELY,

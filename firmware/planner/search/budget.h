@@ -22,6 +22,9 @@
 #define SSV_SCREENED_SEEDS 4
 /// Seeds of a transfer at most.
 #define SSV_MAX_SEEDS 9
+/// Attitude modes and seeds of each where what a quick search found is in the way.
+#define SSV_EVASION_MODES 3
+#define SSV_EVASION_SEEDS 3
 /// Rounds of refinement at most.
 #define SSV_NUM_ROUNDS 3
 /// Steps to and fro between how the vehicle travels and where a transfer's flight starts and ends.

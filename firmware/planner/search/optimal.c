@@ -28,6 +28,19 @@ static ssv_seeds_t begin(ssv_phase_context_t* context, ssv_memory_t* memory, con
     return fresh(context, memory, budget->num_modes, budget->num_seeds);
 }
 
+// Refines fresh seeds, one after the other, until one is clear. @return which.
+static int evade(ssv_phase_context_t* context, const ssv_budget_t* budget, ssv_seeds_t* seeds) {
+    const ssv_stage_t* stage = &budget->evasion[SSV_TRANSFER];
+    ssv_seeds_sort(seeds, seeds->num);
+    ssv_seeds_drop_duplicates(seeds);
+    for (int k = 0; k < stage->num_refined && k < seeds->num; k++) {
+        ssv_seed_t* seed = &seeds->seed[k];
+        ssv_minimize(context, &budget->acceptance, stage, &seed->decision, &seed->price);
+        if (ssv_decision_keeps_clear(context, &seed->decision)) return k;
+    }
+    return 0;
+}
+
 // The best transfer and its transit that the budget finds.
 SSV_OWN_FRAME static void find(ssv_phase_context_t* context, ssv_memory_t* memory, const ssv_budget_t* budget,
                                ssv_decision_t* transfer, ssv_decision_t* transit) {
@@ -37,15 +50,13 @@ SSV_OWN_FRAME static void find(ssv_phase_context_t* context, ssv_memory_t* memor
     for (int n = 0; n < SSV_NUM_ROUNDS; n++) {
         ssv_minimize_seeds(context, &budget->acceptance, &budget->rounds[n], &seeds);
     }
-    const ssv_stage_t* evasion = &budget->evasion[SSV_TRANSFER];
-    if (evasion->num_refined > 0 && !ssv_decision_keeps_clear(context, &seeds.seed[0].decision)) {
-        seeds = fresh(context, memory, 3, 3);
-        ssv_seeds_sort(&seeds, seeds.num);
-        ssv_seeds_drop_duplicates(&seeds);
-        ssv_minimize_seeds(context, &budget->acceptance, evasion, &seeds);
+    int best = 0;
+    if (budget->evasion[SSV_TRANSFER].num_refined > 0 && !ssv_decision_keeps_clear(context, &seeds.seed[0].decision)) {
+        seeds = fresh(context, memory, SSV_EVASION_MODES, SSV_EVASION_SEEDS);
+        best = evade(context, budget, &seeds);
     }
-    *transfer = seeds.seed[0].decision;
-    real_t price = seeds.seed[0].price +
+    *transfer = seeds.seed[best].decision;
+    real_t price = seeds.seed[best].price +
                    ssv_screen_transit(context, &memory->capability, SSV_MAX_TRANSIT_SEEDS, budget, transfer, transit);
     context->transit_before = transit;
     ssv_minimize(context, &budget->acceptance, &budget->joint, transfer, &price);
