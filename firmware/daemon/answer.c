@@ -31,7 +31,10 @@ static quat_t quat_from_wire(const double q[4]) {
 #define FROM_ADDED(value) real_from_double(value)
 #define FROM_FIELD(kind, core, wire, min, max, unit, text) scenario->core = FROM_##kind(message->wire);
 
-void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* message) { SSV_FIELDS(FROM_FIELD) }
+void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* message) {
+    memset(scenario, 0, sizeof *scenario); // of what the wire does not carry
+    SSV_FIELDS(FROM_FIELD)
+}
 
 static void vec3_to_wire(double wire[3], vec3_t v) {
     wire[0] = real_to_double(v.x);

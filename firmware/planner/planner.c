@@ -150,7 +150,11 @@ static void finish(planning_t* planning, bool found, ssv_plan_t* plan) {
     const uint32_t overflows = real_overflows();
     const ssv_choice_t* choice = &planning->choice;
     planning->stage = IS_WRITTEN;
-    if (found) ssv_quote_finish_price(&planning->own, &choice->best, &plan->quote);
+    if (found) {
+        const ssv_problem_t* problem = planning->own.problem;
+        ssv_quote_finish_price(&planning->own, &choice->best, &plan->quote);
+        ssv_plan_clearance(problem, plan, problem->scenario.scene, problem->scenario.obstacles, &plan->clearance);
+    }
     const bool overflowed = choice->overflowed || real_overflows() != overflows;
     if (ssv_quote_finish_status(&planning->own, overflowed, &plan->quote) == SSV_OK) {
         plan->plan_hash = ssv_plan_hash(plan);

@@ -38,7 +38,8 @@ def prose():
     return said
 
 
-STRUCT_OF = {"body": "ssv_body_t", "thruster": "ssv_thruster_t", "vehicle": "ssv_vehicle_t", "beam": "ssv_beam_t"}
+STRUCT_OF = {"body": "ssv_body_t", "thruster": "ssv_thruster_t", "vehicle": "ssv_vehicle_t", "beam": "ssv_beam_t",
+             "obstacle": "ssv_obstacle_t", "tank": "ssv_tank_t"}
 
 
 class Fields(unittest.TestCase):

@@ -56,7 +56,7 @@ static void test_estimates_are_close_to_the_price_of_the_optimal_profile(void) {
         const ssv_rule_t rule = {SSV_OPTIMAL, REAL(0), W1, W2, REAL(0)};
         if (ssv_profile_solve(&thrusts, &rule, maneuver.length, &profile) != SSV_FEASIBLE) continue;
         TEST_ASSERT_TRUE(
-            ssv_profile_estimate(&thrusts, W1, W2, maneuver.length, SSV_ESTIMATE_CLOSELY, &estimate, &peak));
+            ssv_profile_estimate(&thrusts, W1, W2, maneuver.length, 0, SSV_ESTIMATE_CLOSELY, &estimate, &peak));
         const double J = w[0] * real_to_double(profile.duration_s) + w[1] * real_to_double(profile.impulse_Ns);
         const double off = real_to_double(estimate) / J - 1;
         lowest = fmin(lowest, off);

@@ -28,11 +28,24 @@
 /// Why a candidate is not feasible.
 typedef enum {
     SSV_FEASIBLE = 0,
-    SSV_TOO_LONG,         ///< would take longer than SSV_DURATION_MAX_S
-    SSV_NO_AUTHORITY,     ///< the thrusters cannot move the body along a leg
-    SSV_TOO_MANY_ARCS,    ///< the motion has more arcs than SSV_MAX_ARCS
-    SSV_TOO_MANY_SEGMENTS ///< the timeline has more segments than SSV_MAX_SEGMENTS
+    SSV_TOO_LONG,          ///< would take longer than SSV_DURATION_MAX_S
+    SSV_NO_AUTHORITY,      ///< the thrusters cannot move the body along a leg
+    SSV_TOO_MANY_ARCS,     ///< the motion has more arcs than SSV_MAX_ARCS
+    SSV_TOO_MANY_SEGMENTS, ///< the timeline has more segments than SSV_MAX_SEGMENTS
+    // From here on the candidate names the obstacle.
+    SSV_NO_WAY,        ///< no way was found that keeps clear of it
+    SSV_START_BLOCKED, ///< it is too near the vehicle, or the beam, where that starts
+    SSV_MATE_BLOCKED,  ///< it is too near the vehicle wherever that mates at this height
+    SSV_GOAL_BLOCKED   ///< it is too near the docked beam, or the vehicle on any side of it
 } ssv_outcome_t;
+
+/// What moves: the vehicle's hull, a sphere; once mated the beam, a tube with flat ends.
+typedef enum { SSV_BODY_VEHICLE = 0, SSV_BODY_BEAM = 1 } ssv_moving_t;
+
+/// Numbers of what is no obstacle of the scene.
+#define SSV_OBSTACLE_NONE (-1) ///< there is nothing to keep clear of
+#define SSV_OBSTACLE_BEAM 64   ///< the beam as it lies, during the transit
+#define SSV_OBSTACLE_TANK 65
 
 typedef enum { SSV_TRANSIT = 0, SSV_TRANSFER = 1 } ssv_phase_t; ///< vehicle alone; vehicle with beam
 typedef enum {
@@ -92,7 +105,21 @@ typedef struct {
     real_t ring_angle_rad;  ///< [rad]
     ssv_outcome_t outcome;  ///< the three prices are 0 unless SSV_FEASIBLE
     real_t time_s, impulse_Ns, cost;
+    ssv_moving_t body;  ///< from SSV_NO_WAY on: what comes too near,
+    int obstacle;       ///< to which obstacle of the scene, or SSV_OBSTACLE_BEAM, SSV_OBSTACLE_TANK;
+    real_t clearance_m; ///< [m] how far they are apart where they are nearest, negative: how deep it is inside
 } ssv_candidate_t;
+
+/// How far a plan stays away from what stands there. A contact that is allowed does not count (DESIGN.md 13).
+typedef struct {
+    real_t certified_m, seen_m; ///< [m] the least distance is between these two, which are at most 5 mm apart;
+                                ///< negative: inside
+    int leg;                    ///< where seen_m was seen: on this leg,
+    real_t s;                   ///< [m or rad] so far along it,
+    ssv_moving_t body;          ///< between this body
+    int obstacle;               ///< and this obstacle of the scene, SSV_OBSTACLE_BEAM or SSV_OBSTACLE_TANK; if it is
+                                ///< SSV_OBSTACLE_NONE the rest is 0
+} ssv_clearance_t;
 
 /// What a task costs.
 typedef struct {
@@ -121,7 +148,8 @@ typedef struct {
     ssv_segment_t segment[SSV_MAX_SEGMENTS];
     int num_events;
     ssv_event_t event[SSV_MAX_EVENTS];
-    pose_t X_SB; ///< beam in the vehicle's frame, once mated
+    pose_t X_SB;               ///< beam in the vehicle's frame, once mated
+    ssv_clearance_t clearance; ///< of the scenario's scene
 } ssv_plan_t;
 
 /// What time and impulse can be traded for: no point is better than another in both. In order of growing time.

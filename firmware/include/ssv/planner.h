@@ -33,6 +33,8 @@
 #define ssv_scenario_default SSV_NAME(ssv_scenario_default)
 #define ssv_problem_init SSV_NAME(ssv_problem_init)
 #define ssv_scenario_hash SSV_NAME(ssv_scenario_hash)
+#define ssv_scene_check SSV_NAME(ssv_scene_check)
+#define ssv_plan_clearance SSV_NAME(ssv_plan_clearance)
 #define ssv_lower_bound SSV_NAME(ssv_lower_bound)
 #define ssv_quote SSV_NAME(ssv_quote)
 #define ssv_quote_begin SSV_NAME(ssv_quote_begin)
@@ -71,6 +73,25 @@ typedef struct {
     real_t u_per_wrench[SSV_NUM_THRUSTERS][6];
 } ssv_allocation_t;
 
+/// Obstacles by number, and the two that have none in the scene.
+typedef struct {
+    uint64_t obstacles;
+    bool beam, tank;
+} ssv_obstacles_t;
+
+/// What vehicle and beam have around them.
+typedef struct {
+    const ssv_scene_t* scene;
+    bool counts;             ///< whether there is anything to keep clear of
+    ssv_obstacles_t all;     ///< what there is
+    ssv_obstacles_t at_port; ///< what the docked contact may touch
+    ssv_obstacles_t left;    ///< what the vehicle may touch where it starts
+    ssv_obstacle_t beam;     ///< the beam as it lies
+    real_t leaving_m;        ///< [m] length of the first stretch, 0 if nothing is left,
+    real_t mating_m;         ///< [m] of the last stretch before mating,
+    real_t docking_m;        ///< [m] and before docking
+} ssv_surroundings_t;
+
 /// A checked scenario with what follows from it. Made by `ssv_problem_init` only, constant afterwards; its fields are
 /// not API.
 typedef struct {
@@ -78,10 +99,11 @@ typedef struct {
                              ///< vehicle.force_max_N less the reserve
     uint64_t scenario_hash;
     ssv_allocation_t allocation;
+    ssv_surroundings_t around;
 } ssv_problem_t;
 
 /// Memory that one question is answered in, in numbers.
-#define SSV_WORK_REALS 1120
+#define SSV_WORK_REALS 1200
 
 /// That memory: the caller's, one for each question under way. It needs no initial value, and what a question leaves in
 /// it means nothing.
@@ -95,6 +117,16 @@ typedef union {
 /// @return SSV_OK, or a negative status; then *problem is untouched and *fault says which field. Costs about a
 /// microsecond.
 ssv_status_t ssv_problem_init(ssv_problem_t* problem, const ssv_scenario_t* scenario, ssv_fault_t* fault);
+
+/// Checks a scene, and that there is an obstacle for each bit of the mask. @return SSV_OK, or a negative status; then
+/// *fault says which field.
+ssv_status_t ssv_scene_check(const ssv_scene_t* scene, uint64_t obstacles, ssv_fault_t* fault);
+
+/// How far a plan for this problem stays away from a scene, its own or one that was seen later: is the plan still good?
+/// The plan must be SSV_OK, and the scene have passed ssv_scene_check with this mask. Every field of *clearance is
+/// written. Costs about as much as a tenth of the plan.
+void ssv_plan_clearance(const ssv_problem_t* problem, const ssv_plan_t* plan, const ssv_scene_t* scene,
+                        uint64_t obstacles, ssv_clearance_t* clearance);
 
 /// 64-bit hash (FNV-1a over the fields in the order declared) of a scenario, as given.
 uint64_t ssv_scenario_hash(const ssv_scenario_t* scenario);

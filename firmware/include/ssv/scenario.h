@@ -75,6 +75,46 @@ typedef enum {
 /// How many motions SSV_METHOD_OPTIMAL tries.
 typedef enum { SSV_EFFORT_QUICK = 0, SSV_EFFORT_BEST = 1 } ssv_effort_t;
 
+#define SSV_MAX_OBSTACLES 64
+
+typedef enum {
+    SSV_CAPSULE = 0, ///< all that is within a radius of a line: a tube with round ends, a sphere if it has no length
+    SSV_WALL = 1     ///< all that is behind a plane
+} ssv_obstacle_kind_t;
+
+/// What stands in the way, fixed in I.
+typedef struct {
+    ssv_obstacle_kind_t kind;
+    vec3_t p_I_m;    ///< [m] where a capsule's line begins; a point of a wall; each |x| <= 1000
+    vec3_t axis_I;   ///< [-] unit, along a capsule's line; out of a wall, to where one may be. Used as it stands, so it
+                     ///< must be of unit length within SSV_AXIS_TOLERANCE; a sphere needs none
+    real_t length_m; ///< [m] [0, 1000] of a capsule's line
+    real_t radius_m; ///< [m] [0, 100] of a capsule
+} ssv_obstacle_t;
+
+#define SSV_AXIS_TOLERANCE REAL(1e-5)
+
+typedef enum {
+    SSV_NO_TANK = 0,
+    SSV_BOX = 1,     ///< along the axes of I
+    SSV_CYLINDER = 2 ///< upright, its axis along z of I
+} ssv_tank_kind_t;
+
+/// What must not be left.
+typedef struct {
+    ssv_tank_kind_t kind;
+    vec3_t from_I_m; ///< [m] least x, y, z of a box; centre of a cylinder's floor; each |x| <= 1000
+    vec3_t to_I_m;   ///< [m] greatest x, y, z of a box; of a cylinder z alone, its lid; each |x| <= 1000
+    real_t radius_m; ///< [m] [0.001, 1000] of a cylinder
+} ssv_tank_t;
+
+/// What stands around. Several scenarios may share one, each with a choice of its own among the obstacles.
+typedef struct {
+    int num_obstacles; ///< [0, SSV_MAX_OBSTACLES]
+    ssv_obstacle_t obstacle[SSV_MAX_OBSTACLES];
+    ssv_tank_t tank;
+} ssv_scene_t;
+
 /// One question, unchecked: any value may stand here. Nothing is looked up elsewhere.
 typedef struct {
     ssv_vehicle_t vehicle;
@@ -99,6 +139,25 @@ typedef struct {
                            ///< may find a lower price
     bool ring_angle_given; ///< whether ring_angle_rad holds
     real_t ring_angle_rad; ///< [rad] |angle| <= 2 pi, about z_B from x_B, the side of the beam to mate on
+    /// What stands around, or NULL. By reference: the questions of a batch share one, and it would be five times as
+    /// large as all the rest. It must stay as it is as long as the problem is in use. Obstacle k counts if bit k of
+    /// `obstacles` is set, the tank always. The planner keeps clear of things as soon as there is one, or a margin;
+    /// then the vehicle keeps clear of its own beam too, up to the last stretch before it mates (DESIGN.md 13).
+    const ssv_scene_t* scene;
+    uint64_t obstacles;
+    uint64_t left; ///< of these, what the vehicle stands at and lets go of: it may touch them over the first stretch,
+                   ///< no deeper than where it starts. A beam that was docked last is one
+    real_t margin_m;        ///< [m] [0, 10] how far vehicle and beam stay away from all of that
+    real_t approach_mate_m; ///< [m] [0, 10] before mating the vehicle comes straight along the contact's normal so
+                            ///< far; 0 = as it comes
+    real_t approach_dock_m; ///< [m] [0, 10] before docking the beam comes straight along the port's axis so far;
+                            ///< 0 = as it comes
+    real_t contact_speed_max_m_s;       ///< [m/s] [0, 100] on these two stretches; 0 = none
+    real_t transit_speed_max_m_s;       ///< [m/s] [0, 100] of the vehicle alone; 0 = none, and so below
+    real_t transit_rate_max_rad_s;      ///< [rad/s] [0, 100] of its turning
+    real_t transfer_speed_max_m_s;      ///< [m/s] [0, 100] of the vehicle with the beam
+    real_t transfer_beam_speed_max_m_s; ///< [m/s] [0, 100] of both ends of the beam then
+    real_t transfer_rate_max_rad_s;     ///< [rad/s] [0, 100] of the turning then
 } ssv_scenario_t;
 
 /// What is wrong with a scenario, where.

@@ -50,6 +50,44 @@ static uint64_t hash_body(uint64_t hash, const ssv_body_t* body) {
     return hash;
 }
 
+#define HASH_KEPT_FIELD(kind, core, wire, min, max, unit, text) hash = HASH_##kind(core);
+
+// What the mask selects, with its number: the answer names obstacles by it.
+static uint64_t hash_scene(uint64_t hash, const ssv_scene_t* scene, uint64_t obstacles, uint64_t left) {
+    for (int k = 0; k < SSV_MAX_OBSTACLES; k++) {
+        if ((obstacles >> k & 1) == 0 || scene == NULL) continue;
+        const ssv_obstacle_t obstacle = scene->obstacle[k];
+        hash = hash_int(hash, k);
+        if ((left >> k & 1) != 0) hash = hash_int(hash, -1);
+        SSV_OBSTACLE_FIELDS(HASH_KEPT_FIELD)
+        if (obstacle.kind == SSV_CAPSULE) {
+            SSV_CAPSULE_FIELDS(HASH_KEPT_FIELD)
+        }
+        if (obstacle.kind == SSV_WALL || obstacle.length_m > REAL(0)) {
+            SSV_AXIS_FIELDS(HASH_KEPT_FIELD)
+        }
+    }
+    if (scene == NULL || scene->tank.kind == SSV_NO_TANK) return hash;
+    const ssv_tank_t tank = scene->tank;
+    hash = hash_int(hash, SSV_OBSTACLE_TANK);
+    hash = hash_int(hash, (int)tank.kind);
+    SSV_TANK_FIELDS(HASH_KEPT_FIELD)
+    if (tank.kind == SSV_CYLINDER) {
+        SSV_CYLINDER_FIELDS(HASH_KEPT_FIELD)
+    }
+    return hash;
+}
+
+// What came later leaves the hash as it was where nobody asks for it.
+#define IS_ASKED_FOR(kind, core, wire, min, max, unit, text) || scenario->core != REAL(0)
+
+static uint64_t hash_later(uint64_t hash, const ssv_scenario_t* scenario) {
+    if (false SSV_LATER_FIELDS(IS_ASKED_FOR)) {
+        SSV_LATER_FIELDS(HASH_FIELD)
+    }
+    return hash_scene(hash, scenario->scene, scenario->obstacles, scenario->left);
+}
+
 uint64_t ssv_scenario_hash(const ssv_scenario_t* scenario) {
     uint64_t hash = hash_body(FNV_START, &scenario->vehicle.body);
     SSV_VEHICLE_FIELDS(HASH_FIELD)
@@ -64,7 +102,7 @@ uint64_t ssv_scenario_hash(const ssv_scenario_t* scenario) {
         SSV_HEIGHT_FIELDS(HASH_FIELD, k)
     }
     SSV_OPTION_FIELDS(HASH_FIELD)
-    return hash;
+    return hash_later(hash, scenario);
 }
 
 static uint64_t hash_candidate(uint64_t hash, const ssv_candidate_t* candidate) {
@@ -74,7 +112,10 @@ static uint64_t hash_candidate(uint64_t hash, const ssv_candidate_t* candidate) 
     hash = hash_int(hash, (int)candidate->outcome);
     hash = hash_real(hash, candidate->time_s);
     hash = hash_real(hash, candidate->impulse_Ns);
-    return hash_real(hash, candidate->cost);
+    hash = hash_real(hash, candidate->cost);
+    if (candidate->outcome < SSV_NO_WAY) return hash;
+    hash = hash_int(hash_int(hash, (int)candidate->body), candidate->obstacle);
+    return hash_real(hash, candidate->clearance_m);
 }
 
 static uint64_t hash_leg(uint64_t hash, const ssv_leg_t* leg) {
@@ -132,6 +173,11 @@ uint64_t ssv_plan_hash(const ssv_plan_t* plan) {
     hash = hash_int(hash, plan->num_events);
     for (int k = 0; k < plan->num_events; k++) {
         hash = hash_int(hash_real(hash, plan->event[k].t_s), (int)plan->event[k].kind);
+    }
+    if (plan->clearance.obstacle != SSV_OBSTACLE_NONE) {
+        hash = hash_real(hash_real(hash, plan->clearance.certified_m), plan->clearance.seen_m);
+        hash = hash_real(hash_int(hash, plan->clearance.leg), plan->clearance.s);
+        hash = hash_int(hash_int(hash, (int)plan->clearance.body), plan->clearance.obstacle);
     }
     hash = hash_pose(hash, &plan->X_SB);
     hash = hash_pose(hash, &plan->quote.X_IS_final);

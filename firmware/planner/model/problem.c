@@ -1,6 +1,7 @@
 // Checks a scenario against the field table, and caches what follows from it.
 #include "planner/model/allocation.h"
 #include "planner/model/fields.def"
+#include "planner/model/shape.h"
 
 const char ssv_scalar[] = REAL_NAME;
 
@@ -31,9 +32,9 @@ static void check_vec3(checker_t* checker, const char* field, vec3_t v, real_t m
     check(checker, field, v.z, min, max);
 }
 
-static void check_length(checker_t* checker, const char* field, real_t length) {
+static void check_length(checker_t* checker, const char* field, real_t length, real_t tolerance) {
     if (!checker->ok) return;
-    const real_t min = REAL(1) - SSV_UNIT_TOLERANCE, max = REAL(1) + SSV_UNIT_TOLERANCE;
+    const real_t min = REAL(1) - tolerance, max = REAL(1) + tolerance;
     if (length < min || length > max) fail(checker, SSV_E_NOT_UNIT, field, length, min, max);
 }
 
@@ -41,7 +42,7 @@ static void check_length(checker_t* checker, const char* field, real_t length) {
 static vec3_t check_unit(checker_t* checker, const char* field, vec3_t v, real_t min, real_t max) {
     check_vec3(checker, field, v, min, max);
     if (!checker->ok) return v;
-    check_length(checker, field, vec3_norm(v));
+    check_length(checker, field, vec3_norm(v), SSV_UNIT_TOLERANCE);
     return checker->ok ? vec3_unit(v) : v;
 }
 
@@ -49,7 +50,7 @@ static quat_t check_quat(checker_t* checker, const char* field, quat_t q, real_t
     check(checker, field, q.w, min, max);
     check_vec3(checker, field, vec3(q.x, q.y, q.z), min, max);
     if (!checker->ok) return q;
-    check_length(checker, field, quat_norm(q));
+    check_length(checker, field, quat_norm(q), SSV_UNIT_TOLERANCE);
     return checker->ok ? quat_unit(q) : q;
 }
 
@@ -67,6 +68,18 @@ static quat_t check_quat(checker_t* checker, const char* field, quat_t q, real_t
     if (s->ring_angle_given) CHECK_REAL(field, value, min, max)
 #define CHECK_ADDED(field, value, min, max) CHECK_REAL(field, value, min, max)
 #define CHECK_FIELD(kind, core, wire, min, max, unit, text) CHECK_##kind(#wire, s->core, min, max)
+
+// What a scene holds is nobody's but the caller's, and stays as it is.
+static void check_axis(checker_t* checker, const char* field, vec3_t v, real_t min, real_t max) {
+    check_vec3(checker, field, v, min, max);
+    if (checker->ok) check_length(checker, field, vec3_norm(v), SSV_AXIS_TOLERANCE);
+}
+
+#define CHECK_KEPT_REAL CHECK_REAL
+#define CHECK_KEPT_VEC3 CHECK_VEC3
+#define CHECK_KEPT_ENUM CHECK_ENUM
+#define CHECK_KEPT_UNIT(field, value, min, max) check_axis(checker, field, value, min, max);
+#define CHECK_KEPT_FIELD(kind, core, wire, min, max, unit, text) CHECK_KEPT_##kind(#wire, core, min, max)
 
 // Of a body that stands by itself, its paths in order.
 #define CHECK_BODY_FIELD(kind, core, wire, min, max, unit, text) CHECK_##kind(*path++, core, min, max)
@@ -121,6 +134,60 @@ static void check_options(checker_t* checker, ssv_scenario_t* s) {
     }
 }
 
+static void check_obstacle(checker_t* checker, const ssv_obstacle_t* o) {
+    const ssv_obstacle_t obstacle = *o;
+    SSV_OBSTACLE_FIELDS(CHECK_KEPT_FIELD)
+    if (!checker->ok) return;
+    if (obstacle.kind == SSV_CAPSULE) {
+        SSV_CAPSULE_FIELDS(CHECK_KEPT_FIELD)
+    }
+    if (obstacle.kind == SSV_WALL || obstacle.length_m > REAL(0)) {
+        SSV_AXIS_FIELDS(CHECK_KEPT_FIELD)
+    }
+}
+
+static void check_tank(checker_t* checker, const ssv_scene_t* scene) {
+    const ssv_tank_t tank = scene->tank;
+    check(checker, "scene.tank.kind", real_from_int((int)tank.kind), REAL(0), real_from_int((int)SSV_CYLINDER));
+    if (!checker->ok || tank.kind == SSV_NO_TANK) return;
+    SSV_TANK_FIELDS(CHECK_KEPT_FIELD)
+    const vec3_t from = tank.from_I_m, to = tank.to_I_m;
+    if (tank.kind == SSV_CYLINDER) {
+        SSV_CYLINDER_FIELDS(CHECK_KEPT_FIELD)
+    } else {
+        check(checker, "scene.tank.to_I_m", to.x, from.x, REAL(1000));
+        check(checker, "scene.tank.to_I_m", to.y, from.y, REAL(1000));
+    }
+    check(checker, "scene.tank.to_I_m", to.z, from.z, REAL(1000));
+}
+
+// Only then may its obstacles be looked at.
+static void check_scene(checker_t* checker, const ssv_scene_t* scene, uint64_t obstacles) {
+    const int num = scene == NULL ? 0 : scene->num_obstacles;
+    check(checker, "scene.num_obstacles", real_from_int(num), REAL(0), real_from_int(SSV_MAX_OBSTACLES));
+    for (int k = 0; checker->ok && k < num; k++) {
+        checker->index = k;
+        check_obstacle(checker, &scene->obstacle[k]);
+    }
+    if (checker->ok) checker->index = -1;
+    if (scene != NULL) check_tank(checker, scene);
+    for (int k = num; checker->ok && k < SSV_MAX_OBSTACLES; k++) {
+        if ((obstacles >> k & 1) == 0) continue;
+        fail(checker, SSV_E_RANGE, "obstacles", real_from_int(k), REAL(0), real_from_int(num - 1));
+    }
+}
+
+ssv_status_t ssv_scene_check(const ssv_scene_t* scene, uint64_t obstacles, ssv_fault_t* fault) {
+    checker_t checker = {fault, -1, true};
+    check_scene(&checker, scene, obstacles);
+    return checker.ok ? SSV_OK : fault->status;
+}
+
+static void check_later(checker_t* checker, ssv_scenario_t* s) {
+    SSV_LATER_FIELDS(CHECK_FIELD)
+    check_scene(checker, s->scene, s->obstacles);
+}
+
 ssv_status_t ssv_problem_init(ssv_problem_t* problem, const ssv_scenario_t* scenario, ssv_fault_t* fault) {
     ssv_scenario_t s = *scenario;
     ssv_allocation_t allocation;
@@ -129,6 +196,7 @@ ssv_status_t ssv_problem_init(ssv_problem_t* problem, const ssv_scenario_t* scen
     check_beam(&checker, &s);
     check_task(&checker, &s);
     check_options(&checker, &s);
+    check_later(&checker, &s);
     // An inverse that overflows is too large in any case.
     if (checker.ok && ssv_alloc_init(&s.vehicle, &allocation) != SSV_OK) {
         fail(&checker, SSV_E_SINGULAR, "vehicle.thruster", REAL(0), REAL(0), REAL(0));
@@ -139,6 +207,7 @@ ssv_status_t ssv_problem_init(ssv_problem_t* problem, const ssv_scenario_t* scen
     problem->scenario = s;
     problem->scenario_hash = ssv_scenario_hash(scenario);
     problem->allocation = allocation;
+    ssv_surroundings_of(&problem->scenario, s.scene, s.obstacles, &problem->around);
     return SSV_OK;
 }
 
@@ -171,6 +240,10 @@ const char* ssv_outcome_str(ssv_outcome_t outcome) {
         case SSV_NO_AUTHORITY: return "the thrusters cannot move the body along a leg";
         case SSV_TOO_MANY_ARCS: return "the motion has more arcs than a plan holds";
         case SSV_TOO_MANY_SEGMENTS: return "the timeline has more segments than a plan holds";
+        case SSV_NO_WAY: return "no way was found that keeps clear of what stands there";
+        case SSV_START_BLOCKED: return "what stands there is too near where it starts";
+        case SSV_MATE_BLOCKED: return "what stands there leaves no room to mate";
+        case SSV_GOAL_BLOCKED: return "what stands there leaves no room to dock";
     }
     return "unknown outcome";
 }

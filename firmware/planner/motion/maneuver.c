@@ -1,6 +1,7 @@
 #include "planner/motion/maneuver.h"
 
 #include "planner/model/allocation.h"
+#include "planner/model/grasp.h"
 #include "planner/motion/price_order.h"
 #include "planner/motion/tolerance.h"
 
@@ -10,7 +11,7 @@ real_t ssv_leg_weight_time(const ssv_question_t* question) {
 
 ssv_maneuver_t ssv_maneuver_translate(ssv_phase_t phase, vec3_t displacement_S) {
     const vec3_t zero = vec3(REAL(0), REAL(0), REAL(0));
-    ssv_maneuver_t maneuver = {phase, SSV_TRANSLATE, {zero, zero}, vec3_norm(displacement_S)};
+    ssv_maneuver_t maneuver = {phase, SSV_TRANSLATE, {zero, zero}, vec3_norm(displacement_S), REAL(0)};
     if (maneuver.length < SSV_LENGTH_MIN) {
         maneuver.length = REAL(0);
     } else {
@@ -20,8 +21,11 @@ ssv_maneuver_t ssv_maneuver_translate(ssv_phase_t phase, vec3_t displacement_S) 
 }
 
 ssv_maneuver_t ssv_maneuver_turn(ssv_phase_t phase, vec3_t axis_S, real_t angle_rad, vec3_t pivot_S) {
-    const ssv_maneuver_t maneuver = {
-        phase, SSV_TURN, {vec3_cross(pivot_S, axis_S), axis_S}, angle_rad < SSV_LENGTH_MIN ? REAL(0) : angle_rad};
+    const ssv_maneuver_t maneuver = {phase,
+                                     SSV_TURN,
+                                     {vec3_cross(pivot_S, axis_S), axis_S},
+                                     angle_rad < SSV_LENGTH_MIN ? REAL(0) : angle_rad,
+                                     REAL(0)};
     return maneuver;
 }
 
@@ -38,9 +42,32 @@ ssv_maneuver_t ssv_maneuver_between(ssv_phase_t phase, pose_t X_IS_from, pose_t 
     const real_t arc = vec3_norm(path), shift = real_abs(vec3_dot(path, w));
     const bool pitched = shift > real_mul(SSV_LENGTH_MIN, angle) && arc > real_mul(SSV_PIVOT_NEAR_M, angle);
     if (pitched || arc > real_mul(SSV_PIVOT_FAR_M, angle)) {
-        return (ssv_maneuver_t){phase, SSV_SCREW, {vec3_unit(path), vec3_scale(real_div(angle, arc), w)}, arc};
+        return (ssv_maneuver_t){phase, SSV_SCREW, {vec3_unit(path), vec3_scale(real_div(angle, arc), w)}, arc, REAL(0)};
     }
-    return (ssv_maneuver_t){phase, SSV_TURN, {vec3_scale(real_div(REAL(1), angle), path), w}, angle};
+    return (ssv_maneuver_t){phase, SSV_TURN, {vec3_scale(real_div(REAL(1), angle), path), w}, angle, REAL(0)};
+}
+
+// What moves at this speed per unit of the maneuver's may move at most at `cap`; 0 = none.
+static void limit(real_t cap, real_t speed, ssv_maneuver_t* maneuver) {
+    if (!(cap > REAL(0)) || !(real_mul(SSV_SPEED_NEVER, speed) > cap)) return;
+    const real_t most = real_div(cap, speed);
+    if (!(maneuver->speed_max > REAL(0)) || most < maneuver->speed_max) maneuver->speed_max = most;
+}
+
+void ssv_maneuver_limit(const ssv_scenario_t* s, const ssv_assembly_t* assembly, bool approaches,
+                        ssv_maneuver_t* maneuver) {
+    const bool alone = assembly->beam == NULL;
+    const real_t cap = alone ? s->transit_speed_max_m_s : s->transfer_speed_max_m_s;
+    const real_t rate_cap = alone ? s->transit_rate_max_rad_s : s->transfer_rate_max_rad_s;
+    const real_t beam_cap = alone ? REAL(0) : s->transfer_beam_speed_max_m_s;
+    if (cap > REAL(0)) limit(cap, vec3_norm(maneuver->twist.v), maneuver);
+    if (rate_cap > REAL(0)) limit(rate_cap, vec3_norm(maneuver->twist.w), maneuver);
+    for (int contact = 1; beam_cap > REAL(0) && contact <= SSV_NUM_CONTACTS; contact++) {
+        const pose_t X_SB = assembly->X_SB;
+        const vec3_t p_SE = vec3_add(X_SB.p, quat_apply(X_SB.q, ssv_grasp_contact(s, contact)));
+        limit(beam_cap, vec3_norm(vec3_add(maneuver->twist.v, vec3_cross(maneuver->twist.w, p_SE))), maneuver);
+    }
+    if (approaches) limit(s->contact_speed_max_m_s, vec3_norm(maneuver->twist.v), maneuver);
 }
 
 pose_t ssv_maneuver_pose(pose_t X_IS, ssv_twist_t twist, real_t s) {
@@ -102,7 +129,8 @@ bool ssv_price_beats(const ssv_price_t* a, const ssv_price_t* b) {
 
 static ssv_rule_t rule_of(const ssv_question_t* question, const ssv_maneuver_t* maneuver, ssv_ramp_t ramp) {
     const real_t cutoff = maneuver->kind == SSV_TRANSLATE ? SSV_CUTOFF_TRANSLATE_M_S : SSV_CUTOFF_TURN_RAD_S;
-    return (ssv_rule_t){ramp, cutoff, ssv_leg_weight_time(question), question->weight_impulse_per_Ns, REAL(0)};
+    return (ssv_rule_t){ramp, cutoff, ssv_leg_weight_time(question), question->weight_impulse_per_Ns,
+                        maneuver->speed_max};
 }
 
 static ssv_price_t price_of(const ssv_question_t* question, const ssv_profile_price_t* profile) {

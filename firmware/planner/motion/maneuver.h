@@ -15,6 +15,7 @@ typedef struct {
     ssv_leg_kind_t kind;
     ssv_twist_t twist; ///< per unit of distance
     real_t length;
+    real_t speed_max; ///< per unit of distance, too; 0 = as fast as it pays
 } ssv_maneuver_t;
 
 typedef struct {
@@ -42,6 +43,11 @@ ssv_maneuver_t ssv_maneuver_turn(ssv_phase_t phase, vec3_t axis_S, real_t angle_
 /// The one screw, the shorter way round, that takes the vehicle from one pose to another: a translation where the
 /// attitudes agree, a turn where it has no pitch.
 ssv_maneuver_t ssv_maneuver_between(ssv_phase_t phase, pose_t X_IS_from, pose_t X_IS_to);
+
+/// Sets speed_max so that the scenario's caps hold: those of the phase, and on a contact's approach that of the
+/// contact. The twist is constant, so each of them is one on the speed along the maneuver.
+void ssv_maneuver_limit(const ssv_scenario_t* scenario, const ssv_assembly_t* assembly, bool approaches,
+                        ssv_maneuver_t* maneuver);
 
 /// Pose of S after distance s along the twist: X_IS exp(twist s).
 pose_t ssv_maneuver_pose(pose_t X_IS, ssv_twist_t twist, real_t s);

@@ -26,7 +26,8 @@ ssv_assembly_t ssv_vehicle_with_beam(const ssv_problem_t* problem, real_t height
 static bool same(vec3_t a, vec3_t b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
 static bool same_maneuver(const ssv_maneuver_t* a, const ssv_maneuver_t* b) {
-    return a->kind == b->kind && a->length == b->length && same(a->twist.v, b->twist.v) && same(a->twist.w, b->twist.w);
+    return a->kind == b->kind && a->length == b->length && a->speed_max == b->speed_max &&
+           same(a->twist.v, b->twist.v) && same(a->twist.w, b->twist.w);
 }
 
 void ssv_phase_path_price(const ssv_question_t* question, const ssv_assembly_t* assembly, const ssv_phase_path_t* known,
@@ -56,8 +57,8 @@ bool ssv_maneuvers_estimate(const ssv_question_t* question, const ssv_assembly_t
         ssv_thrusts_t thrusts;
         real_t cost, peak_speed;
         ssv_maneuver_thrusts(question->problem, assembly, maneuver[k].twist, &thrusts);
-        if (!ssv_profile_estimate(&thrusts, weight_time, question->weight_impulse_per_Ns, maneuver[k].length, closeness,
-                                  &cost, &peak_speed)) {
+        if (!ssv_profile_estimate(&thrusts, weight_time, question->weight_impulse_per_Ns, maneuver[k].length,
+                                  maneuver[k].speed_max, closeness, &cost, &peak_speed)) {
             return false;
         }
         *price += cost;
@@ -75,9 +76,16 @@ ssv_price_t ssv_path_price(const ssv_phase_path_t* transit, const ssv_phase_path
     return price;
 }
 
-ssv_candidate_t ssv_candidate_of(const ssv_grasp_t* grasp, const ssv_price_t* price) {
-    ssv_candidate_t candidate = {grasp->contact, grasp->height_m, grasp->ring_angle_rad, price->outcome, REAL(0),
-                                 REAL(0),        REAL(0)};
+ssv_candidate_t ssv_candidate_of(const ssv_grasp_t* grasp, const ssv_price_t* price, const ssv_clearance_t* clearance) {
+    ssv_candidate_t candidate = {.contact = grasp->contact,
+                                 .attach_height_m = grasp->height_m,
+                                 .ring_angle_rad = grasp->ring_angle_rad,
+                                 .outcome = price->outcome};
+    if (price->outcome == SSV_NO_WAY) {
+        candidate.body = clearance->body;
+        candidate.obstacle = clearance->obstacle;
+        candidate.clearance_m = clearance->seen_m;
+    }
     if (price->outcome == SSV_FEASIBLE) {
         candidate.time_s = price->time_s;
         candidate.impulse_Ns = price->impulse_Ns;

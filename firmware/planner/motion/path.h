@@ -12,8 +12,8 @@
 /// On functions whose large frame must not become part of their caller's: the stack is the planner's work memory.
 #define SSV_OWN_FRAME __attribute__((noinline))
 
-/// Turn, translate, turn.
-#define SSV_MAX_PHASE_MANEUVERS 3
+/// Turn, translate, turn, approach.
+#define SSV_MAX_PHASE_MANEUVERS 4
 
 /// The path of one phase: its maneuvers, what each of them costs, and what they cost together.
 typedef struct {
@@ -53,8 +53,8 @@ bool ssv_maneuvers_estimate(const ssv_question_t* question, const ssv_assembly_t
 /// What both phases cost together, as ssv_path_join adds it up.
 ssv_price_t ssv_path_price(const ssv_phase_path_t* transit, const ssv_phase_path_t* transfer);
 
-/// A candidate with its price, which is zero unless feasible.
-ssv_candidate_t ssv_candidate_of(const ssv_grasp_t* grasp, const ssv_price_t* price);
+/// A candidate with its price, which is zero unless feasible; if it comes too near something, *clearance says where.
+ssv_candidate_t ssv_candidate_of(const ssv_grasp_t* grasp, const ssv_price_t* price, const ssv_clearance_t* clearance);
 
 /// Joins both phases. The price is added up maneuver by maneuver, as the plan's legs will be: quoted is what is flown,
 /// to the last bit.

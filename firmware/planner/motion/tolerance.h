@@ -16,6 +16,10 @@
 /// the path it would have a rate of hundreds of radians per metre.
 #define SSV_PIVOT_NEAR_M REAL(0.01)
 
+/// No maneuver is ever so fast [m/s or rad/s]: a cap that asks for no less is none. Larger, and the quotient that tells
+/// a cap on a point that hardly moves overflows in fixed point.
+#define SSV_SPEED_NEVER REAL(1000)
+
 /// Below this angle [rad] three terms of the sine and cosine are as good as all, in every scalar. Larger, and the
 /// series errs; smaller, and the difference of angle and sine cancels.
 #define SSV_SMALL_RAD REAL(1e-3)

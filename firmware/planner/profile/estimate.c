@@ -68,7 +68,7 @@ static real_t ramps(const estimated_leg_t* leg, real_t peak, real_t lambda, real
 }
 
 bool ssv_profile_estimate(const ssv_thrusts_t* thrusts_SI, real_t weight_time_per_s, real_t weight_impulse_per_Ns,
-                          real_t distance_SI, real_t closeness, real_t* price, real_t* peak_speed) {
+                          real_t distance_SI, real_t speed_max, real_t closeness, real_t* price, real_t* peak_speed) {
     SSV_ASSERT(distance_SI > REAL(0) && !(weight_time_per_s < REAL(0)) && !(weight_impulse_per_Ns < REAL(0)));
     estimated_leg_t leg;
     ssv_units_t unit;
@@ -84,7 +84,8 @@ bool ssv_profile_estimate(const ssv_thrusts_t* thrusts_SI, real_t weight_time_pe
     // Without drag no speed is above that which full thrust reaches in the middle of the leg.
     const real_t free_top = real_sqrt(real_mul(limit, distance));
     const real_t terminal = ssv_terminal_speed(&thrusts, free_top);
-    const real_t top = terminal < free_top ? real_mul(BELOW_TERMINAL, terminal) : free_top;
+    real_t top = terminal < free_top ? real_mul(BELOW_TERMINAL, terminal) : free_top;
+    if (speed_max > REAL(0)) top = real_min(top, real_scale(speed_max, -unit.speed));
     const real_t cruise = ssv_cruise_speed(&thrusts, leg.weight_time, leg.weight_impulse, top);
     const real_t time_price = real_mul(leg.weight_time, distance);
     // J = fixed + time_price / peak + rest(peak), where the rest is nearly linear, so the best peak follows from its

@@ -16,8 +16,9 @@
 /// Price W1 T + W2 F of the optimal profile over a distance [m or rad] > 0, to a few per cent for turns and a few per
 /// mille for long flights, at some tenth of the time of ssv_profile_solve. *peak_speed is about the speed [m/s or
 /// rad/s] at which that profile peaks.
+/// speed_max [m/s or rad/s] is a cap; 0 = none.
 /// @return false if no thruster acts along the leg; then the outputs are untouched.
 bool ssv_profile_estimate(const ssv_thrusts_t* thrusts, real_t weight_time_per_s, real_t weight_impulse_per_Ns,
-                          real_t distance, real_t closeness, real_t* price, real_t* peak_speed);
+                          real_t distance, real_t speed_max, real_t closeness, real_t* price, real_t* peak_speed);
 
 #endif

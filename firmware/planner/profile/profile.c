@@ -299,8 +299,8 @@ static ssv_outcome_t solve_optimal(solved_leg_t* leg) {
     real_t price, peak = cruise_speed, a[2];
     // A coast from a speed at which some drag turns would never leave it.
     if (cruise_speed < leg->top_speed) cruise_speed -= real_mul(TERMINAL_MARGIN, cruise_speed);
-    (void)ssv_profile_estimate(&leg->thrusts, s->weight_time, s->weight_impulse, leg->distance, SSV_ESTIMATE_CLOSELY,
-                               &price, &peak);
+    (void)ssv_profile_estimate(&leg->thrusts, s->weight_time, s->weight_impulse, leg->distance, REAL(0),
+                               SSV_ESTIMATE_CLOSELY, &price, &peak);
     if (peak > real_mul(NEAR_CRUISE, cruise_speed)) peak = cruise_speed;
     decide_coasts(leg, peak);
     ssv_root_t root = ssv_root_from(REAL(0), REAL(0), -REAL(1), cruise_speed);

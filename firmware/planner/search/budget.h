@@ -22,6 +22,9 @@
 #define SSV_SCREENED_SEEDS 4
 /// Seeds of a transfer at most.
 #define SSV_MAX_SEEDS 9
+/// Attitude modes and seeds of each where what a quick search found is in the way.
+#define SSV_EVASION_MODES 3
+#define SSV_EVASION_SEEDS 3
 /// Rounds of refinement at most.
 #define SSV_NUM_ROUNDS 3
 /// Steps to and fro between how the vehicle travels and where a transfer's flight starts and ends.
@@ -58,7 +61,9 @@ typedef struct {
     int num_modes, num_seeds;           ///< attitude modes of a transfer, and seeds of each; none: go on from screening
     ssv_stage_t rounds[SSV_NUM_ROUNDS]; ///< refinement of the transfer, round after round
     ssv_stage_t transit;                ///< refinement of the transit
-    ssv_stage_t joint;                  ///< refinement of the transfer once more, with the price of both phases
+    ssv_stage_t evasion[2]; ///< refinement of fresh seeds, of the transit and of the transfer, where what was
+                            ///< found comes too near something
+    ssv_stage_t joint;      ///< refinement of the transfer once more, with the price of both phases
 } ssv_budget_t;
 
 extern const ssv_budget_t ssv_budgets[2]; ///< by ssv_effort_t

@@ -86,7 +86,7 @@ ssv_phase_context_t ssv_transfer_context(const ssv_question_t* question, int con
     context.transfer.axis_I[0] = quat_apply(s->X_IB.q, z_axis);
     context.transfer.axis_I[1] = contact == 1 ? s->axis_I : vec3_neg(s->axis_I);
     context.hold_I[0] = vec3_add(s->X_IB.p, vec3_scale(height_m, context.transfer.axis_I[0]));
-    context.hold_I[1] = vec3_add(s->p_IP_m, vec3_scale(from_contact, s->axis_I));
+    context.hold_I[1] = vec3_add(s->p_IP_m, vec3_scale(from_contact + s->approach_dock_m, s->axis_I));
     context.transfer.q_given = quat_identity();
     if (s->ring_angle_given) {
         const ssv_grasp_t grasp = {contact, height_m, s->ring_angle_rad};
@@ -99,11 +99,14 @@ ssv_phase_context_t ssv_transfer_context(const ssv_question_t* question, int con
 ssv_phase_context_t ssv_transit_context(const ssv_phase_context_t* transfer, const pose_t* X_to) {
     SSV_ASSERT(transfer->phase == SSV_TRANSFER);
     const pose_t* X_from = &transfer->question->problem->scenario.X_IS;
+    const real_t approach_m = transfer->question->problem->scenario.approach_mate_m;
+    const vec3_t p_to =
+        approach_m > REAL(0) ? vec3_sub(X_to->p, vec3_scale(approach_m, quat_apply(X_to->q, x_axis))) : X_to->p;
     return (ssv_phase_context_t){.question = transfer->question,
                                  .phase = SSV_TRANSIT,
                                  .contact = transfer->contact,
                                  .height_m = transfer->height_m,
-                                 .hold_I = {X_from->p, X_to->p},
+                                 .hold_I = {X_from->p, p_to},
                                  .transit = {{X_from->q, X_to->q}},
                                  .closeness = transfer->closeness};
 }
@@ -201,6 +204,16 @@ void ssv_decision_motion(const ssv_phase_context_t* context, const ssv_decision_
     motion->maneuver[1] =
         ssv_maneuver_between(context->phase, (pose_t){p_T[0], a.q_IT[0]}, (pose_t){p_T[1], a.q_IT[1]});
     motion->maneuver[2] = turn_about(context->phase, a.q_IT[1], a.q_IS[1], pivot[1]);
+    motion->num_maneuvers = 3;
+    const ssv_scenario_t* s = &context->question->problem->scenario;
+    const real_t approach_m = alone ? s->approach_mate_m : s->approach_dock_m;
+    if (approach_m > REAL(0)) {
+        const vec3_t way_S = alone ? vec3_scale(approach_m, x_axis)
+                                   : quat_apply(quat_conj(a.q_IS[1]), vec3_scale(-approach_m, s->axis_I));
+        motion->maneuver[motion->num_maneuvers++] = ssv_maneuver_translate(context->phase, way_S);
+    }
+    for (int k = 0; k < motion->num_maneuvers; k++)
+        ssv_maneuver_limit(s, &motion->assembly, k == 3, &motion->maneuver[k]);
 }
 
 ssv_grasp_t ssv_phase_grasp(const ssv_phase_context_t* context, const pose_t* X_IS) {
@@ -216,9 +229,39 @@ SSV_OWN_FRAME pose_t ssv_decision_start(const ssv_phase_context_t* context, cons
     return motion.X_from;
 }
 
+bool ssv_motion_keeps_clear(const ssv_phase_context_t* context, const ssv_motion_t* motion,
+                            ssv_clearance_t* clearance) {
+    const ssv_problem_t* problem = context->question->problem;
+    const ssv_flight_t flight = {&problem->scenario, &problem->around, &motion->assembly,    motion->X_from,
+                                 context->contact,   motion->maneuver, motion->num_maneuvers};
+    return ssv_keeps_clear(&flight, SSV_SHORTFALL_BRACKET_M, clearance);
+}
+
+SSV_OWN_FRAME bool ssv_decision_keeps_clear(const ssv_phase_context_t* context, const ssv_decision_t* decision) {
+    if (!context->question->problem->around.counts) return true;
+    ssv_motion_t motion;
+    ssv_clearance_t clearance;
+    ssv_decision_motion(context, decision, &motion);
+    return ssv_motion_keeps_clear(context, &motion, &clearance);
+}
+
+// What comes too near pays for it, the more the nearer it comes, so that the search slides out of what is in the way.
+SSV_OWN_FRAME static real_t with_shortfall(const ssv_phase_context_t* context, const ssv_motion_t* motion,
+                                           real_t price) {
+    ssv_clearance_t clearance;
+    if (ssv_motion_keeps_clear(context, motion, &clearance)) return price;
+    const real_t lacks_m = context->question->problem->scenario.margin_m - clearance.seen_m;
+    const real_t pays = real_mul(SSV_SHORTFALL_PER_M, real_max(REAL(0), real_min(SSV_SHORTFALL_MOST_M, lacks_m)));
+    return real_mul(price, SSV_SHORTFALL_AT_LEAST + pays);
+}
+
 static bool estimate(const ssv_phase_context_t* context, const ssv_motion_t* motion, real_t* price) {
-    return ssv_maneuvers_estimate(context->question, &motion->assembly, motion->maneuver, SSV_MAX_PHASE_MANEUVERS,
-                                  context->closeness, price);
+    if (!ssv_maneuvers_estimate(context->question, &motion->assembly, motion->maneuver, motion->num_maneuvers,
+                                context->closeness, price)) {
+        return false;
+    }
+    if (context->question->problem->around.counts) *price = with_shortfall(context, motion, *price);
+    return true;
 }
 
 real_t ssv_decision_price(ssv_phase_context_t* context, const ssv_decision_t* decision) {

@@ -6,6 +6,7 @@
 
 #include "planner/model/body.h"
 #include "planner/model/grasp.h"
+#include "planner/motion/clearance.h"
 #include "planner/motion/maneuver.h"
 #include "planner/motion/path.h"
 #include "planner/motion/question.h"
@@ -58,7 +59,7 @@ typedef struct {
     int contact;
     real_t height_m;             ///< [m] attach height along z_B
     vec3_t hold_I[SSV_NUM_ENDS]; ///< [m] of a transfer: where the beam's axis is held at the ends; of a transit: where
-                                 ///< the vehicle is
+                                 ///< the vehicle is. The second is where the approach begins, if there is one
     union {
         struct {
             quat_t q_IS[SSV_NUM_ENDS]; ///< the vehicle at the ends
@@ -77,6 +78,7 @@ typedef struct {
 typedef struct {
     ssv_assembly_t assembly; ///< what moves
     pose_t X_from;           ///< vehicle where it begins
+    int num_maneuvers;
     ssv_maneuver_t maneuver[SSV_MAX_PHASE_MANEUVERS];
 } ssv_motion_t;
 
@@ -97,8 +99,14 @@ void ssv_decision_attitudes(const ssv_phase_context_t* context, const ssv_decisi
                             ssv_attitudes_t* attitudes);
 
 /// The motion of a decision: turn about a pivot, fly on while turning from one attitude of travel to the other, turn
-/// about a pivot.
+/// about a pivot, and approach straight, if asked for.
 void ssv_decision_motion(const ssv_phase_context_t* context, const ssv_decision_t* decision, ssv_motion_t* motion);
+
+/// Whether the motion keeps the margin; if not, *clearance says where it does so least, roughly.
+bool ssv_motion_keeps_clear(const ssv_phase_context_t* context, const ssv_motion_t* motion, ssv_clearance_t* clearance);
+
+/// Whether its motion does.
+bool ssv_decision_keeps_clear(const ssv_phase_context_t* context, const ssv_decision_t* decision);
 
 /// Where the motion of a decision begins.
 pose_t ssv_decision_start(const ssv_phase_context_t* context, const ssv_decision_t* decision);

@@ -2,6 +2,7 @@
 
 #include "planner/model/body.h"
 #include "planner/model/grasp.h"
+#include "planner/motion/clearance.h"
 #include "planner/motion/maneuver.h"
 #include "planner/profile/estimate.h"
 #include "planner/search/bound.h"
@@ -20,18 +21,32 @@ static real_t straight_price(const ssv_question_t* question, const ssv_assembly_
     return real_mul(translation->length, per_metre);
 }
 
+// The last of three maneuvers is an approach.
+static void limit(const ssv_scenario_t* scenario, const ssv_assembly_t* assembly, ssv_phase_path_t* phase) {
+    for (int k = 0; k < phase->num_maneuvers; k++) ssv_maneuver_limit(scenario, assembly, k == 2, &phase->maneuver[k]);
+}
+
 // Fly to the grasp with the attitude held, then turn +x onto the beam's axis the shortest way. Half a turn has no
 // shortest way: axis k of several. @return how many there are.
 static int lay_transit(const ssv_scenario_t* scenario, const ssv_grasp_t* grasp, int k, ssv_phase_path_t* phase) {
     const quat_t q_SI = quat_conj(scenario->X_IS.q);
-    const vec3_t d_S = quat_apply(q_SI, vec3_sub(ssv_grasp_position(scenario, grasp), scenario->X_IS.p));
-    const vec3_t goal_S = quat_apply(q_SI, vec3_neg(ssv_grasp_radial(scenario, grasp)));
+    const vec3_t radial_I = ssv_grasp_radial(scenario, grasp), mate_I = ssv_grasp_position(scenario, grasp);
+    const real_t approach_m = scenario->approach_mate_m;
+    const vec3_t to_I = approach_m > REAL(0) ? vec3_add(mate_I, vec3_scale(approach_m, radial_I)) : mate_I;
+    const vec3_t d_S = quat_apply(q_SI, vec3_sub(to_I, scenario->X_IS.p));
+    const vec3_t goal_S = quat_apply(q_SI, vec3_neg(radial_I));
     vec3_t axis[SSV_NUM_TURN_AXES];
     real_t angle;
     const int num_axes = ssv_grasp_turn_axes(vec3(REAL(1), REAL(0), REAL(0)), goal_S, axis, &angle);
     phase->num_maneuvers = 2;
     phase->maneuver[0] = ssv_maneuver_translate(SSV_TRANSIT, d_S);
     phase->maneuver[1] = ssv_maneuver_turn(SSV_TRANSIT, axis[k], angle, vec3(REAL(0), REAL(0), REAL(0)));
+    if (approach_m > REAL(0)) {
+        phase->maneuver[phase->num_maneuvers++] =
+            ssv_maneuver_translate(SSV_TRANSIT, vec3(approach_m, REAL(0), REAL(0)));
+    }
+    const ssv_assembly_t alone = {&scenario->vehicle, NULL, {{REAL(0), REAL(0), REAL(0)}, quat_identity()}};
+    limit(scenario, &alone, phase);
     return num_axes;
 }
 
@@ -50,7 +65,15 @@ static int lay_transfer(const ssv_scenario_t* scenario, const ssv_assembly_t* pa
     const pose_t turned = ssv_maneuver_pose(X_IS, phase->maneuver[0].twist, phase->maneuver[0].length);
     const vec3_t p_IE = pose_mul(turned, pose_mul(pair->X_SB, (pose_t){p_BE, quat_identity()})).p;
     const vec3_t d_I = vec3_sub(scenario->p_IP_m, p_IE);
-    phase->maneuver[1] = ssv_maneuver_translate(SSV_TRANSFER, quat_apply(quat_conj(turned.q), d_I));
+    const vec3_t way_I = vec3_scale(-scenario->approach_dock_m, scenario->axis_I);
+    const bool approaches = scenario->approach_dock_m > REAL(0);
+    phase->maneuver[1] =
+        ssv_maneuver_translate(SSV_TRANSFER, quat_apply(quat_conj(turned.q), approaches ? vec3_sub(d_I, way_I) : d_I));
+    if (approaches) {
+        phase->maneuver[phase->num_maneuvers++] =
+            ssv_maneuver_translate(SSV_TRANSFER, quat_apply(quat_conj(turned.q), way_I));
+    }
+    limit(scenario, pair, phase);
     return num_axes;
 }
 
@@ -89,6 +112,17 @@ void ssv_paper_search_begin(ssv_paper_search_t* search, const ssv_question_t* qu
     search->num_priced = 0;
 }
 
+// A path that comes too near something is none, whatever it costs.
+static void refuse_contact(ssv_paper_search_t* search, const ssv_assembly_t* assembly, int contact, pose_t X_IS,
+                           ssv_phase_path_t* phase) {
+    const ssv_problem_t* problem = search->question->problem;
+    if (!problem->around.counts || phase->price.outcome != SSV_FEASIBLE) return;
+    const ssv_flight_t flight = {&problem->scenario, &problem->around,    assembly, X_IS, contact,
+                                 phase->maneuver,    phase->num_maneuvers};
+    if (ssv_keeps_clear(&flight, SSV_SHORTFALL_BRACKET_M, &search->clearance)) return;
+    phase->maneuver_price[0].outcome = phase->price.outcome = SSV_NO_WAY;
+}
+
 // The cheapest transit to a grasp, into search->transit.
 static void find_transit(ssv_paper_search_t* search, const ssv_grasp_t* grasp) {
     const ssv_question_t* question = search->question;
@@ -112,7 +146,10 @@ static void find_transfer(ssv_paper_search_t* search, const ssv_assembly_t* pair
         ssv_phase_path_t transfer;
         num_axes = lay_transfer(&question->problem->scenario, pair, contact, X_IS, k, &transfer);
         ssv_phase_path_price(question, pair, NULL, &transfer);
-        if (k == 0 || ssv_price_beats(&transfer.price, &best->price)) *best = transfer;
+        if (k == 0 || ssv_price_beats(&transfer.price, &best->price)) {
+            refuse_contact(search, pair, contact, X_IS, &transfer);
+            if (k == 0 || transfer.price.outcome == SSV_FEASIBLE) *best = transfer;
+        }
         search->num_priced++;
     }
 }
@@ -130,11 +167,14 @@ bool ssv_paper_search(ssv_paper_search_t* search, int contact, real_t height_m, 
         find_transit(search, &grasp);
         const pose_t X_mate = end_of(&search->transit, problem->scenario.X_IS);
         const ssv_assembly_t pair = ssv_vehicle_with_beam(problem, height_m, X_mate.q);
-        ssv_phase_path_t transfer;
+        const ssv_assembly_t alone = ssv_vehicle_alone(problem);
+        ssv_phase_path_t transit = search->transit, transfer;
         find_transfer(search, &pair, contact, X_mate, &transfer);
-        const ssv_price_t price = ssv_path_price(&search->transit, &transfer);
+        if (transfer.price.outcome == SSV_FEASIBLE)
+            refuse_contact(search, &alone, contact, problem->scenario.X_IS, &transit);
+        const ssv_price_t price = ssv_path_price(&transit, &transfer);
         if (!found || ssv_price_beats(&price, &path->price)) {
-            ssv_path_join(&grasp, &search->transit, &transfer, pair.X_SB, path);
+            ssv_path_join(&grasp, &transit, &transfer, pair.X_SB, path);
         }
         found = true;
     }

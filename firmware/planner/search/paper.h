@@ -14,6 +14,7 @@ typedef struct {
                               ///< out; none if it is not feasible
     ssv_phase_path_t transit; ///< priced last: from one candidate to the next the turn is often the same
     int num_priced;           ///< paths so far
+    ssv_clearance_t clearance; ///< of the last path that came too near something
 } ssv_paper_search_t;
 
 /// Begins a search that leaves out what cannot beat this price.

@@ -25,7 +25,11 @@ real_t ssv_screen_transit(ssv_phase_context_t* context, const ssv_capability_t* 
     ssv_phase_context_t before = ssv_transit_context(context, &X_to);
     ssv_seed_transit(&before, capability, &seeds);
     ssv_seeds_price(&before, &seeds);
-    if (budget != NULL) ssv_minimize_seeds(&before, &budget->acceptance, &budget->transit, &seeds);
+    if (budget != NULL) {
+        ssv_minimize_seeds(&before, &budget->acceptance, &budget->transit, &seeds);
+        if (!ssv_decision_keeps_clear(&before, &list[0].decision))
+            ssv_minimize_seeds(&before, &budget->acceptance, &budget->evasion[SSV_TRANSIT], &seeds);
+    }
     context->num_priced += before.num_priced;
     if (transit != NULL) *transit = list[0].decision;
     return list[0].price;

@@ -8,6 +8,7 @@
 #include "planner/search/capability.h"
 #include "planner/search/optimal.h"
 #include "planner/search/paper.h"
+#include "planner/search/room.h"
 #include "planner/search/screen.h"
 #include "planner/search/tolerance.h"
 
@@ -33,9 +34,22 @@ static void enter_candidates(const ssv_scenario_t* scenario, ssv_quote_t* quote)
         for (int k = 0; k < scenario->num_attach_heights; k++) {
             SSV_ASSERT(quote->num_candidates < SSV_MAX_CANDIDATES);
             quote->candidate[quote->num_candidates++] = (ssv_candidate_t){
-                contact, scenario->attach_heights_m[k], REAL(0), SSV_NO_AUTHORITY, REAL(0), REAL(0), REAL(0)};
+                .contact = contact, .attach_height_m = scenario->attach_heights_m[k], .outcome = SSV_NO_AUTHORITY};
         }
     }
+}
+
+// Whether an end of its phases is blocked, so that there is nothing to search.
+static bool is_blocked(const ssv_candidate_t* candidate) { return candidate->outcome >= SSV_START_BLOCKED; }
+
+// Finds out which candidates are blocked. @return whether all are.
+static bool check_room(const ssv_question_t* question, ssv_quote_t* quote) {
+    bool all = true;
+    for (int k = 0; k < quote->num_candidates; k++) {
+        if (question->problem->around.counts) ssv_room_check(question, &quote->candidate[k]);
+        all = all && is_blocked(&quote->candidate[k]);
+    }
+    return all;
 }
 
 // The paper's path of the next candidate, if that may be cheaper than what is known. @return whether it was the last.
@@ -43,10 +57,11 @@ static bool try_paper(ssv_choice_t* choice, ssv_quote_t* quote) {
     if (choice->num_done == 0) ssv_paper_search_begin(&choice->paper, &choice->question, &choice->best.price);
     if (choice->num_done == quote->num_candidates) return true;
     ssv_candidate_t* candidate = &quote->candidate[choice->num_done++];
+    if (is_blocked(candidate)) return choice->num_done == quote->num_candidates;
     const int num_priced = choice->paper.num_priced;
     ssv_path_t path;
     if (ssv_paper_search(&choice->paper, candidate->contact, candidate->attach_height_m, &path)) {
-        improve(candidate, ssv_candidate_of(&path.grasp, &path.price));
+        improve(candidate, ssv_candidate_of(&path.grasp, &path.price, &choice->paper.clearance));
         if (ssv_price_beats(&path.price, &choice->best.price)) choice->best = path;
     }
     quote->num_priced += choice->paper.num_priced - num_priced;
@@ -73,10 +88,12 @@ static void begin_screening(ssv_choice_t* choice, ssv_effort_t effort, ssv_quote
     choice->stage = SSV_CHOICE_SCREENS;
     choice->effort = effort;
     choice->num_done = 0;
+    choice->tries_all = false;
     *prospects = (ssv_prospects_t){.num = quote->num_candidates, .favourite = -1};
     for (int k = 0; k < prospects->num; k++) {
         const ssv_candidate_t* candidate = &quote->candidate[k];
         prospects->promise[k] = ssv_screen_flights(&search, candidate->contact, candidate->attach_height_m);
+        prospects->screened[k] = prospects->done[k] = is_blocked(candidate);
     }
 }
 
@@ -84,10 +101,14 @@ static void begin_screening(ssv_choice_t* choice, ssv_effort_t effort, ssv_quote
 // the last.
 static bool screen_next(ssv_choice_t* choice, ssv_quote_t* quote) {
     const ssv_search_t search = search_of(choice, quote);
-    const bool all = choice->question.list_candidates;
+    const bool all = choice->question.list_candidates || choice->tries_all;
     ssv_prospects_t* prospects = &choice->prospects;
     while (choice->num_done < prospects->num) {
         const int n = choice->num_done++, next = least_of(prospects, prospects->screened);
+        if (next < 0) {
+            choice->num_done = prospects->num; // the rest is blocked
+            break;
+        }
         const ssv_candidate_t* candidate = &quote->candidate[next];
         const real_t* to_beat = prospects->favourite >= 0 ? &prospects->promise[prospects->favourite] : NULL;
         const real_t flights = prospects->promise[next];
@@ -114,6 +135,7 @@ static bool is_worth_a_search(const ssv_choice_t* choice, int next) {
     const ssv_price_t* best = &choice->best.price;
     const bool all = choice->question.list_candidates;
     if (next < 0) return false;
+    if (choice->tries_all && !all) return best->outcome != SSV_FEASIBLE;
     const int n = choice->num_done;
     const real_t least = prospects->promise[prospects->favourite], promise = prospects->promise[next];
     if (!(all || n < ssv_budgets[choice->effort].num_searched || ssv_alike(least, promise))) return false;
@@ -130,7 +152,7 @@ static bool search_next(ssv_choice_t* choice, ssv_quote_t* quote) {
     ssv_candidate_t* candidate = &quote->candidate[next];
     const int contact = candidate->contact;
     const real_t height_m = candidate->attach_height_m;
-    prospects->done[next] = true;
+    prospects->done[next] = prospects->searched[next] = true;
     // What the last screening kept is that of the favourite.
     if (n > 0 && choice->effort == SSV_EFFORT_QUICK) (void)ssv_screen(&search, contact, height_m, NULL);
     improve(candidate, ssv_optimal_search(&search, contact, height_m, choice->effort));
@@ -177,8 +199,39 @@ static void begin_after_quick(ssv_choice_t* choice, ssv_quote_t* quote) {
     begin_screening(choice, SSV_EFFORT_BEST, quote);
 }
 
+// Where nothing that was searched keeps clear, the search goes on to what was left out. @return whether there is any.
+static bool begin_rest(ssv_choice_t* choice, const ssv_quote_t* quote) {
+    ssv_prospects_t* prospects = &choice->prospects;
+    const bool needs_more = choice->question.problem->around.counts && choice->best.price.outcome != SSV_FEASIBLE;
+    if (!needs_more || choice->tries_all) return false;
+    bool any = false;
+    choice->tries_all = true;
+    for (int k = 0; k < prospects->num; k++) {
+        prospects->done[k] = prospects->searched[k] || is_blocked(&quote->candidate[k]);
+        any = any || !prospects->done[k];
+    }
+    return any;
+}
+
+// Less effort ends with more of it where it has found nothing that keeps clear.
+static void begin_after_paper(ssv_choice_t* choice, ssv_quote_t* quote) {
+    const ssv_question_t* question = &choice->question;
+    const bool needs_more = question->problem->around.counts && choice->best.price.outcome != SSV_FEASIBLE;
+    if (needs_more && question->method == SSV_METHOD_OPTIMAL && choice->effort == SSV_EFFORT_QUICK) {
+        begin_screening(choice, SSV_EFFORT_BEST, quote);
+        choice->tries_all = true;
+    } else {
+        begin_stage(choice, SSV_CHOICE_IS_MADE);
+    }
+}
+
 static void begin_after_searches(ssv_choice_t* choice, ssv_quote_t* quote) {
     const ssv_scenario_t* scenario = &choice->question.problem->scenario;
+    if (begin_rest(choice, quote)) return;
+    if (choice->effort == SSV_EFFORT_BEST && scenario->effort != SSV_EFFORT_BEST) {
+        begin_stage(choice, SSV_CHOICE_IS_MADE);
+        return;
+    }
     if (choice->effort == SSV_EFFORT_BEST) {
         begin_stage(choice, choice->between_contact > 0 ? SSV_CHOICE_SEARCHES_BETWEEN : SSV_CHOICE_TRIES_PAPER);
     } else if (scenario->attach_anywhere) {
@@ -197,7 +250,11 @@ void ssv_choice_begin(const ssv_question_t* question, ssv_choice_t* choice, ssv_
     choice->question = *question;
     choice->best.price.outcome = SSV_TOO_LONG;
     enter_candidates(&question->problem->scenario, quote);
-    if (question->method == SSV_METHOD_OPTIMAL) {
+    const bool blocked = check_room(question, quote);
+    choice->effort = SSV_EFFORT_QUICK;
+    if (blocked) {
+        begin_stage(choice, SSV_CHOICE_IS_MADE);
+    } else if (question->method == SSV_METHOD_OPTIMAL) {
         ssv_capability_init(&choice->question, &choice->memory.capability);
         begin_screening(choice, SSV_EFFORT_QUICK, quote);
     } else {
@@ -224,7 +281,7 @@ bool ssv_choice_step(ssv_choice_t* choice, ssv_quote_t* quote) {
             begin_stage(choice, SSV_CHOICE_TRIES_PAPER);
             break;
         case SSV_CHOICE_TRIES_PAPER:
-            if (try_paper(choice, quote)) begin_stage(choice, SSV_CHOICE_IS_MADE);
+            if (try_paper(choice, quote)) begin_after_paper(choice, quote);
             break;
         case SSV_CHOICE_IS_MADE: break;
     }
@@ -249,7 +306,7 @@ bool ssv_choice_next(ssv_choice_t* choice, ssv_outcome_t outcome, ssv_quote_t* q
 }
 
 void ssv_quote_finish_price(const ssv_question_t* question, const ssv_path_t* path, ssv_quote_t* quote) {
-    quote->choice = ssv_candidate_of(&path->grasp, &path->price);
+    quote->choice = ssv_candidate_of(&path->grasp, &path->price, NULL);
     quote->status = SSV_OK;
     quote->cost = quote->choice.cost;
     quote->time_s = quote->choice.time_s;

@@ -14,8 +14,9 @@ typedef struct {
     real_t promise[SSV_MAX_CANDIDATES]; ///< price of the flights alone at first, then what screening finds
     bool screened[SSV_MAX_CANDIDATES];  ///< or left out
     bool done[SSV_MAX_CANDIDATES];      ///< searched, or left out
-    int favourite;                      ///< promises least of those screened; -1 before the first
-    real_t turns;                       ///< what those of the favourite cost
+    bool searched[SSV_MAX_CANDIDATES];
+    int favourite; ///< promises least of those screened; -1 before the first
+    real_t turns;  ///< what those of the favourite cost
 } ssv_prospects_t;
 
 /// What comes next in a choice.
@@ -35,6 +36,7 @@ typedef struct {
     bool overflowed; ///< whether a result did not fit the scalar in any of the steps
     ssv_choice_stage_t stage;
     ssv_effort_t effort; ///< of the searches under way
+    bool tries_all;      ///< whether no candidate is left out until there is one that keeps clear
     int num_done;        ///< candidates screened, searched or tried, or steps made along the beam, in this stage
     ssv_prospects_t prospects;
     real_t along_from_m, along_step_m; ///< the height that steps start from, and how long they are

@@ -54,4 +54,14 @@
 /// First step along the beam, as part of its length. It is halved where neither side gains.
 #define SSV_FIRST_HEIGHT_STEP REAL(0.125)
 
+/// What a trial pays that does not keep the margin, as a factor of its price: so much at least, and so much more for
+/// each metre that it lacks, up to so many. Larger, and the search goes around where it could slide out; smaller, and
+/// it ends in the way. Neither matters much.
+#define SSV_SHORTFALL_AT_LEAST REAL(1.02)
+#define SSV_SHORTFALL_PER_M REAL(4)
+#define SSV_SHORTFALL_MOST_M REAL(1)
+
+/// How closely what a trial lacks is told [m]. Smaller, and trials in the way take longer.
+#define SSV_SHORTFALL_BRACKET_M REAL(0.02)
+
 #endif
