@@ -294,7 +294,7 @@ static void add_trim(const ssv_controller_t* vehicle, int64_t now_us, float u_N[
 
 // How far the timeline goes on in this tick: as far as the planner's clock of it, and a little more or less to meet it.
 static int64_t passing_ns(ssv_controller_t* vehicle) {
-    const int64_t planned_ns = (int64_t)(vehicle->clock_rate * (float)(1000 * SSV_VEHICLE_TICK_US));
+    const int32_t planned_ns = (int32_t)(vehicle->clock_rate * (float)(1000 * SSV_VEHICLE_TICK_US));
     const int64_t meeting_ns = vehicle->clock_ahead_ns / CLOCK_TICKS + (vehicle->clock_ahead_ns > 0 ? 1 : 0);
     int64_t passing = planned_ns + meeting_ns;
     if (passing < 0) passing = 0;

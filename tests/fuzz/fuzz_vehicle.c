@@ -31,8 +31,9 @@ static int64_t now_us;
 static uint64_t plan_hash; ///< of the timeline that was uploaded last
 static ssv_link_beat_t beat[NUM_SENDERS];
 static int64_t beat_us[NUM_SENDERS]; ///< when the sender's last beat was sent
-static int beating;                  ///< what the planner sends while ticks pass
-static bool navigates;               ///< whether navigation comes while ticks pass
+static uint32_t trim_sequence;
+static int beating;    ///< what the planner sends while ticks pass
+static bool navigates; ///< whether navigation comes while ticks pass
 static ssv_link_pose_t pose;
 /// Whose beats keep the flight alive, and when the last one did that may.
 static struct {
@@ -172,8 +173,7 @@ static void send_beat(int from) {
 }
 
 static void tick(void) {
-    // A flight brakes at the first tick after the dead-man's time, and brakes no longer than it may.
-    static int64_t braking_us;
+    static int64_t braking_us; // the last moment before it braked
     const ssv_link_phase_t before = vehicle.state.phase;
     now_us += SSV_VEHICLE_TICK_US;
     ssv_vehicle_tick(&vehicle, now_us, &output);
@@ -271,12 +271,12 @@ static void any_beat(int from) {
 }
 
 static void any_trim(int from) {
-    static uint32_t sequence;
     const uint8_t how = byte();
     ssv_packet_t packet = {.kind = SSV_PACKET_TRIM};
+    trim_sequence += how % 4 != 0;
     packet.of.trim = (ssv_link_trim_t){.boot_id = beat[from].boot_id,
                                        .session = beat[from].session,
-                                       .sequence = sequence += how % 4 != 0,
+                                       .sequence = trim_sequence,
                                        .plan_time_ns = vehicle.state.plan_time_ns};
     packet.of.trim.clock_rate = (how & 16) != 0 ? 1 : (how & 32) != 0 ? any_float() : (float)byte() / 255;
     if (how % 8 == 5) packet.of.trim.plan_time_ns = (int64_t)((uint64_t)word() << 32 | word());
@@ -356,6 +356,7 @@ static void begin(uint8_t how) {
     memset(&bound, 0, sizeof bound);
     now_us = 0;
     plan_hash = 0;
+    trim_sequence = 0;
     beating = NO_BEATS;
     navigates = false;
 }

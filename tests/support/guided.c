@@ -79,7 +79,7 @@ static double angle_between(pose_t one, pose_t other) {
                      fabs(real_to_double(q.w)));
 }
 
-static void configure(const ssv_problem_t* problem, const ssv_plan_t* plan, double force_max_N,
+void guided_configure(const ssv_problem_t* problem, const ssv_plan_t* plan, double force_max_N,
                       const conditions_t* conditions, sil_config_t* config) {
     const ssv_candidate_t* choice = &plan->quote.choice;
     memset(config, 0, sizeof *config);
@@ -187,7 +187,7 @@ bool guided_flight(const ssv_problem_t* problem, const ssv_plan_t* plan, double 
                    const conditions_t* conditions, uint64_t seed, flown_t* flown) {
     static sil_config_t config;
     memset(flown, 0, sizeof *flown);
-    configure(problem, plan, force_max_N, conditions, &config);
+    guided_configure(problem, plan, force_max_N, conditions, &config);
     return conditions->open_loop ? fly_open_loop(&config, plan, seed, flown)
                                  : fly_closed_loop(&config, problem, plan, conditions, seed, flown);
 }

@@ -3,7 +3,7 @@
 #ifndef TESTS_GUIDED_H
 #define TESTS_GUIDED_H
 
-#include "physics/world.h"
+#include "sil/sil.h"
 #include "ssv/executive.h"
 
 /// Sees every frame between the two ends. @return whether it gets through.
@@ -34,6 +34,10 @@ typedef struct {
     double estimate_tip_m;                   ///< where guidance took the tip to be at the dock
     double position_rms_m, attitude_rms_rad; ///< of the estimate while it dwells at the dock, per axis
 } flown_t;
+
+/// The simulated vehicle that such a flight takes.
+void guided_configure(const ssv_problem_t* problem, const ssv_plan_t* plan, double force_max_N,
+                      const conditions_t* conditions, sil_config_t* config);
 
 /// Flies until the executive says how it ended. The limit is what each thruster really gives. False when the simulator
 /// or the executive does not take the task.
