@@ -44,8 +44,8 @@ static const char doc[] =
     "                                       current, weak thrusters, noise\n"
     "  ssv fly task.yaml --sim --rate 20    slow enough to watch, with lcm-spy, too\n"
     "  ssv fly task.yaml --sim --format json --output flight.json\n"
-    "  ssv fly task.yaml --lcm              MOVES THE REAL VEHICLE of the ssv-plannerd\n"
-    "                                       --link that is heard on the bus\n"
+    "  ssv fly task.yaml --lcm              MOVES THE REAL VEHICLE of the planner\n"
+    "                                       with a --link that is on the bus\n"
     "\n"
     "With --sim a simulated vehicle (ssv-sim) and a planner (ssv-plannerd) are started for this one flight and ended "
     "with it; they talk over the vehicle link as they would in the water, in a time of their own, so the same seed is "
@@ -73,7 +73,7 @@ static const char doc[] =
     "      the scalar\n"
     "   6  missed: mate or dock did not succeed in as many attempts as are made\n"
     "   7  aborted: stopped by Ctrl-C or by another, strayed from the plan, refused\n"
-    "      by the vehicle, or the vehicle fell silent\n"
+    "      by the planner or the vehicle, or the vehicle fell silent\n"
     "  64  wrong arguments\n"
     "   1  anything else, e.g. FILE cannot be written\n";
 
@@ -312,7 +312,7 @@ static bool start_planner(simulation_t* simulation, const flight_t* flight, cons
     if (options->rate > 0) argv[argc++] = rate;
     if (options->lcm_url != NULL) argv[argc++] = url;
     if (!process_start(&simulation->planner, name, argv, -1, error, error_size) ||
-        !process_await(&simulation->planner, "planner ", flight->signal_fd, id, sizeof id, error, error_size))
+        !process_await(&simulation->planner, ", planner ", flight->signal_fd, id, sizeof id, error, error_size))
         return false;
     *planner_id = (int64_t)strtoull(id, NULL, 16);
     return *planner_id != 0;
@@ -414,12 +414,16 @@ static int fly(flight_t* flight, const report_plan_t* predicted, lcm_ssv_scenari
     if (!flown) {
         fprintf(stderr, "ssv: %s\n", error);
         if (flight->num_signals > 0) code = EXIT_ABORTED;
-        if (flight->simulation == NULL)
+        if (simulation == NULL && flight->sequence > 0)
             fprintf(stderr, "ssv: the vehicle may still be moving; its planner and its dead-man have it now\n");
         json_decref(truth);
         return code;
     }
-    if (plan.quote.status != LCM_SSV_QUOTE_T_STATUS_OK) {
+    if (plan.quote.status == LCM_SSV_QUOTE_T_STATUS_INVALID) { // the task is sound, a plan of it was made here
+        tree_make_harmless(plan.quote.reason);
+        fprintf(stderr, "ssv: the planner does not fly this: %s\n", plan.quote.reason);
+        code = EXIT_ABORTED;
+    } else if (plan.quote.status != LCM_SSV_QUOTE_T_STATUS_OK) {
         code = plan_show(options, file, question, &plan);
     } else {
         const report_flight_t report = {

@@ -90,7 +90,7 @@ static const struct argp_option question_options[] = {
 static const struct argp_option flight_options[] = {
     {"sim", KEY_SIM, NULL, 0, "In simulation: starts ssv-sim and an ssv-plannerd for this flight, and ends them", 0},
     {"conditions", KEY_CONDITIONS, "NAME|FILE", 0,
-     "What disturbs the simulated flight and what counts as a hit (default: nothing does, everything)", 0},
+     "Disturbances and tolerances of the simulated flight (default: none)", 0},
     {"seed", KEY_SEED, "N", 0, "Seed of the disturbances; the same seed is the same flight (default 1)", 0},
     {"rate", KEY_RATE, "R|max", 0, "Simulated seconds per second (default max, as fast as it goes)", 0},
     {"lcm", KEY_LCM, "URL", OPTION_ARG_OPTIONAL,
