@@ -25,6 +25,9 @@
 #define VALID_FOR_MS 60000
 /// Plans of one task: the first, and anew where the vehicle strayed before the mate.
 #define PLANS_MAX 4
+/// How a task ended is told so often, in such intervals of the real clock: a datagram may be lost.
+#define ENDINGS 5
+#define ENDING_US INT64_C(100000)
 /// Frames that are read before others get their turn.
 #define READS_MAX 64
 
@@ -102,7 +105,7 @@ bool flight_begin(flight_t* flight, const ssv_answer_t* answer) {
     flight->problem = answer->working.problem;
     flight->plan = answer->plan;
     flight->answer = answer->wire.answer;
-    flight->num_plans = flight->sequence = 0;
+    flight->num_plans = flight->sequence = flight->num_endings = 0;
     flight->told_us = now_us(flight) - TELL_US;
     flight->begun_us = now_us(flight);
     flight->begun_clock_us = clock_us(CLOCK_MONOTONIC);
@@ -255,6 +258,17 @@ static void tell_state(flight_t* flight) {
     publish(flight, CHANNEL_STATE, lcm_ssv_vehicle_state_t_encode(flight->message, 0, sizeof flight->message, &wire));
 }
 
+static bool has_endings(const flight_t* flight) { return flight->num_endings > 0 && flight->num_endings < ENDINGS; }
+
+// Tells the end of a task once more, when that is due.
+static void tell_ending(flight_t* flight) {
+    if (!has_endings(flight) || clock_us(CLOCK_MONOTONIC) - flight->ending_clock_us < ENDING_US) return;
+    flight->num_endings++;
+    flight->ending_clock_us = clock_us(CLOCK_MONOTONIC);
+    flight->sequence--; // the same message
+    tell_execution(flight);
+}
+
 static void tell(flight_t* flight) {
     const bool has_ended = flight->executive.outcome != SSV_EXECUTIVE_UNDER_WAY;
     if (!has_ended && now_us(flight) - flight->told_us < TELL_US) return;
@@ -262,12 +276,14 @@ static void tell(flight_t* flight) {
     tell_execution(flight);
     if (flight->executive.started_us > 0) tell_state(flight);
     flight->has_news = !has_ended;
-    if (has_ended)
-        log_line(flight->executive.outcome == SSV_EXECUTIVE_DOCKED ? LOG_INFO : LOG_WARN,
-                 "task %016" PRIx64 ": %s, %.1f s after the start, %" PRIu32 " frames heard, %" PRIu32 " lost",
-                 (uint64_t)flight->answer.asker.request_id, reason_str(flight),
-                 flight->executive.started_us > 0 ? seconds(flight->executive.started_us, now_us(flight)) : 0,
-                 flight->executive.link.wire.statistics.received, flight->executive.link.wire.statistics.lost);
+    if (!has_ended) return;
+    flight->num_endings = 1;
+    flight->ending_clock_us = clock_us(CLOCK_MONOTONIC);
+    log_line(flight->executive.outcome == SSV_EXECUTIVE_DOCKED ? LOG_INFO : LOG_WARN,
+             "task %016" PRIx64 ": %s, %.1f s after the start, %" PRIu32 " frames heard, %" PRIu32 " lost",
+             (uint64_t)flight->answer.asker.request_id, reason_str(flight),
+             flight->executive.started_us > 0 ? seconds(flight->executive.started_us, now_us(flight)) : 0,
+             flight->executive.link.wire.statistics.received, flight->executive.link.wire.statistics.lost);
 }
 
 // ---- Turns ----------------------------------------------------------------------------------------------------------
@@ -307,6 +323,7 @@ static void run_simulator(flight_t* flight) {
 void flight_turn(flight_t* flight) {
     if (!flight->is_open) return;
     const bool was_under_way = flight_is_under_way(flight);
+    if (!was_under_way) tell_ending(flight);
     if (flight->options.lockstep != NULL && (!was_under_way || flight_wait_us(flight) > 0)) return;
     exchange(flight);
     if (!was_under_way) return;
@@ -317,7 +334,11 @@ void flight_turn(flight_t* flight) {
 
 int64_t flight_wait_us(const flight_t* flight) {
     int64_t wait_us = 0;
-    if (flight->options.lockstep == NULL)
+    if (!flight->is_open) return INT64_MAX;
+    if (!flight_is_under_way(flight)) {
+        if (!has_endings(flight)) return INT64_MAX;
+        wait_us = flight->ending_clock_us + ENDING_US - clock_us(CLOCK_MONOTONIC);
+    } else if (flight->options.lockstep == NULL)
         wait_us = flight->executive.due_us - now_us(flight);
     else if (flight->options.rate > 0)
         wait_us = flight->begun_clock_us +

@@ -30,11 +30,13 @@ typedef struct {
     lcm_ssv_answer_t answer; ///< whose task it is
     int64_t told_us;         ///< [us] when the bus was told last
     int32_t sequence, num_plans;
-    int64_t begun_us;       ///< [us] of the task
-    int64_t begun_clock_us; ///< [us] likewise, by the real clock
-    int64_t epoch_us;       ///< of the last plan
-    bool has_news;          ///< whether the bus does not know yet how the task ended
-    ssv_work_t work;        ///< to plan anew
+    int64_t begun_us;        ///< [us] of the task
+    int64_t begun_clock_us;  ///< [us] likewise, by the real clock
+    int64_t epoch_us;        ///< of the last plan
+    bool has_news;           ///< whether the bus does not know yet how the task ended
+    int32_t num_endings;     ///< how often the end has been told
+    int64_t ending_clock_us; ///< [us] when, by the real clock
+    ssv_work_t work;         ///< to plan anew
     uint8_t message[2048];
 } flight_t;
 
@@ -60,7 +62,7 @@ void flight_stop(flight_t* flight);
 /// What is due: hears, steps, sends, tells the bus.
 void flight_turn(flight_t* flight);
 
-/// How long until something is due [us], 0 or more, unless bytes come before; meaningful while a task is under way.
+/// How long until something is due [us], 0 or more, unless bytes come before; INT64_MAX for nothing.
 int64_t flight_wait_us(const flight_t* flight);
 
 void flight_close(flight_t* flight);

@@ -465,10 +465,8 @@ static void wait_for_work(const plannerd_t* self) {
                            {.fd = is_ending ? -1 : self->signal_fd, .events = POLLIN, .revents = 0},
                            {.fd = self->flight.is_open ? self->flight.port.fd : -1, .events = POLLIN, .revents = 0}};
     int64_t wait_us = self->next_status_us - now_us();
-    if (flight_is_under_way(&self->flight)) {
-        const int64_t flight_us = flight_wait_us(&self->flight);
-        if (flight_us < wait_us) wait_us = flight_us;
-    }
+    const int64_t flight_us = flight_wait_us(&self->flight);
+    if (flight_us < wait_us) wait_us = flight_us;
     struct timespec wait = {0, 0};
     if (wait_us > 0) wait = (struct timespec){wait_us / 1000000, 1000 * (wait_us % 1000000)};
     ppoll(fds, 3, &wait, NULL);

@@ -41,7 +41,7 @@ typedef struct {
     ssv_packet_kind_t kind;
     uint8_t sysid, compid;               ///< the sender, of a packet that arrived
     uint8_t target_sysid, target_compid; ///< 0 for all, and where the message has no target
-    uint32_t time_ms;                    ///< [ms] since the sender's boot; of a pose when it held, of others when it is sent
+    uint32_t time_ms; ///< [ms] since the sender's boot; of a pose when it held, of others when it is sent
     union {
         struct {
             uint8_t type, autopilot, base_mode, status;

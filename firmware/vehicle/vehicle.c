@@ -233,13 +233,12 @@ size_t ssv_vehicle_poll(ssv_controller_t* vehicle, int64_t now_us, uint8_t* fram
 static void check_planner(ssv_controller_t* vehicle, int64_t now_us) {
     ssv_deadman_t* deadman = &vehicle->deadman;
     const int64_t silent_us = now_us - deadman->grew_us;
-    if (silent_us > vehicle->config->beat_stop_us) {
+    const bool is_untrimmed = vehicle->has_trim && now_us - vehicle->trim_us > vehicle->config->trim_stop_us;
+    if (silent_us > vehicle->config->beat_stop_us || is_untrimmed) {
         stop(vehicle, now_us, SSV_LINK_BEAT_LOST);
     } else if (silent_us > vehicle->config->beat_warn_us && !deadman->has_warned) {
         deadman->has_warned = true;
         ssv_link_vehicle_say(&vehicle->link, now_us, SSV_LINK_WARNING, "planner makes no progress");
-    } else if (vehicle->has_trim && now_us - vehicle->trim_us > vehicle->config->trim_stop_us) {
-        stop(vehicle, now_us, SSV_LINK_BEAT_LOST);
     }
 }
 

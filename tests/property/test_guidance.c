@@ -1,5 +1,6 @@
-// Plans flown closed loop through executive, link and controller on the physics of sim/, judged by truth: undisturbed and in a current
-// with imperfect thrusters and noisy navigation, with the open loop beside it. SSV_LONG=1 flies 1,000 and twice 300.
+// Plans flown closed loop through executive, link and controller on the physics of sim/, judged by truth: undisturbed
+// and in a current with imperfect thrusters and noisy navigation, with the open loop beside it. SSV_LONG=1 flies 1,000
+// and twice 300.
 #include <math.h>
 #include <stdio.h>
 
@@ -98,8 +99,9 @@ static rates_t fly_many(const char* name, int count) {
     }
     rates.within_4 /= count;
     rates.within_3 /= count;
-    printf("%s: %d flights, %.1f %% within 4 cm 2 deg, %.1f %% within 3 cm 2 deg, %d ended otherwise than by giving up\n", name, count,
-           100 * rates.within_4, 100 * rates.within_3, undecided);
+    printf(
+        "%s: %d flights, %.1f %% within 4 cm 2 deg, %.1f %% within 3 cm 2 deg, %d ended otherwise than by giving up\n",
+        name, count, 100 * rates.within_4, 100 * rates.within_3, undecided);
     static const struct {
         const char* name;
         double (*of)(const flown_t*);

@@ -1,5 +1,5 @@
-// A whole flight of a shipped scenario: executive, link, controller and physics. Writes every frame that was sent, those to
-// the vehicle to DIR/up.bin and those from it to DIR/down.bin.
+// A whole flight of a shipped scenario: executive, link, controller and physics. Writes every frame that was sent,
+// those to the vehicle to DIR/up.bin and those from it to DIR/down.bin.
 #include <stdio.h>
 
 #include "guided.h"

@@ -64,7 +64,8 @@ int main(int argc, char** argv) {
     give(SSV_LINK_START, 0, timeline.plan_hash);
     for (uint32_t k = 1; k <= 30; k++) {
         ssv_link_planner_beat(&world.planner, 1, k);
-        ssv_link_planner_trim(&world.planner, 1, k, INT64_C(100000000) * k, 0.25F, (const float[]){1, -2, 3, -4, 5, -6});
+        ssv_link_planner_trim(&world.planner, 1, k, INT64_C(100000000) * k, 0.25F,
+                              (const float[]){1, -2, 3, -4, 5, -6});
         world.state.plan_time_ns = INT64_C(100000000) * k;
         world.state.segment = (int32_t)k;
         pass(100000);

@@ -68,7 +68,7 @@ typedef struct {
     int64_t epoch_us;            ///< [us] > 0, larger than that of the plan flown last
     uint32_t valid_for_ms;       ///< [ms] > 0; from the upload to the latest start
     uint32_t mass_configuration; ///< as ssv/timeline.h
-    real_t force_max_N;          ///< [N] what each thruster really gives: the plan's limit, and the reserve that it left
+    real_t force_max_N; ///< [N] what each thruster really gives: the plan's limit, and the reserve that it left
 } ssv_executive_order_t;
 
 /// How guidance's step went last.

@@ -122,8 +122,8 @@ void ssv_guidance_step(ssv_guidance_t* guidance, real_t dt_s, ssv_guidance_comma
 /// Has the plan's clock stand, or go on: while it stands, the vehicle is held where the plan has it then.
 void ssv_guidance_pause(ssv_guidance_t* guidance, bool paused);
 
-/// The outcome of an attempt, which was asked for or made by somebody else while it dwells. A hit goes on; a miss backs off and comes again, SSV_GUIDANCE_TRIES
-/// (guidance/limits.h) times in all.
+/// The outcome of an attempt, which was asked for or made by somebody else while it dwells. A hit goes on; a miss backs
+/// off and comes again, SSV_GUIDANCE_TRIES (guidance/limits.h) times in all.
 void ssv_guidance_attempted(ssv_guidance_t* guidance, bool hit);
 
 #ifdef __cplusplus

@@ -246,7 +246,7 @@ typedef struct {
     uint8_t events, attempts; ///< see SSV_EXECUTION in ssv.xml
     uint32_t beat;            ///< progress counter of the newest beat that counted
     ssv_link_pose_t pose;
-    int64_t pose_us; ///< [us] when the pose held
+    int64_t pose_us;              ///< [us] when the pose held
     float u_N[SSV_NUM_THRUSTERS]; ///< [N] thrusts commanded now
 } ssv_link_vehicle_state_t;
 
@@ -330,7 +330,7 @@ typedef struct {
     uint8_t log[SSV_LINK_LOG_BYTES];
     int64_t interval_us[SSV_LINK_NUM_STREAMS], due_us[SSV_LINK_NUM_STREAMS]; ///< [us]; interval < 0: never
     int64_t told_us[SSV_LINK_NUM_STREAMS]; ///< [us] when the pose held that was told last
-    bool served; ///< whether the last frame was the file server's
+    bool served;                           ///< whether the last frame was the file server's
     bool want_version, want_timesync;
     int64_t timesync_ns;
     int32_t next_parameter, end_parameter; ///< parameters yet to be sent

@@ -145,9 +145,9 @@ typedef struct {
     /// then the vehicle keeps clear of its own beam too, up to the last stretch before it mates (DESIGN.md 13).
     const ssv_scene_t* scene;
     uint64_t obstacles;
-    uint64_t left; ///< of these, what the vehicle stands at and lets go of: it may touch them over the first stretch,
-                   ///< no deeper than where it starts. A beam that was docked last is one
-    real_t margin_m;        ///< [m] [0, 10] how far vehicle and beam stay away from all of that
+    uint64_t left;   ///< of these, what the vehicle stands at and lets go of: it may touch them over the first stretch,
+                     ///< no deeper than where it starts. A beam that was docked last is one
+    real_t margin_m; ///< [m] [0, 10] how far vehicle and beam stay away from all of that
     real_t approach_mate_m; ///< [m] [0, 10] before mating the vehicle comes straight along the contact's normal so
                             ///< far; 0 = as it comes
     real_t approach_dock_m; ///< [m] [0, 10] before docking the beam comes straight along the port's axis so far;

@@ -116,8 +116,8 @@ void ssv_vehicle_receive(ssv_controller_t* vehicle, int64_t now_us, const uint8_
 /// The next frame to send, as ssv_link_vehicle_poll.
 size_t ssv_vehicle_poll(ssv_controller_t* vehicle, int64_t now_us, uint8_t* frame);
 
-/// Tells where the vehicle was at `held_us`, [0, now], and how it moved; `pose->known` is taken as true. Numbers that no
-/// vehicle can have, an attitude that is not of unit length among them, are passed over.
+/// Tells where the vehicle was at `held_us`, [0, now], and how it moved; `pose->known` is taken as true. Numbers that
+/// no vehicle can have, an attitude that is not of unit length among them, are passed over.
 void ssv_vehicle_navigate(ssv_controller_t* vehicle, int64_t held_us, const ssv_link_pose_t* pose);
 
 /// Tells the force that the supply gives over the force of the curves, such as its voltage over the nominal one to the
