@@ -134,7 +134,8 @@ void flight_control(flight_t* flight, const lcm_ssv_control_t* control) {
     }
 }
 
-// Where the vehicle strayed on its way to the beam, it is planned anew from where it is by now.
+// Where the vehicle strayed on its way to the beam, it is planned anew from where it is by now, to take hold of the
+// beam where it was to.
 static bool plan_anew(flight_t* flight) {
     ssv_executive_t* executive = &flight->executive;
     if (executive->outcome != SSV_EXECUTIVE_STRAYED || executive->guidance.mated || flight->num_plans >= PLANS_MAX ||
@@ -143,9 +144,15 @@ static bool plan_anew(flight_t* flight) {
     ssv_scenario_t scenario = flight->problem.scenario;
     ssv_fault_t fault;
     scenario.vehicle.force_max_N = real_div(scenario.vehicle.force_max_N, REAL(1) - scenario.thrust_reserve);
-    scenario.X_IS = executive->guidance.estimate.X_IS;
-    scenario.X_IS.q = quat_unit(scenario.X_IS.q);
-    if (ssv_problem_init(&flight->problem, &scenario, &fault) != SSV_OK ||
+    scenario.contact = flight->plan.quote.choice.contact;
+    scenario.num_attach_heights = 1;
+    scenario.attach_heights_m[0] = flight->plan.quote.choice.attach_height_m;
+    scenario.attach_anywhere = false;
+    scenario.ring_angle_given = true;
+    scenario.ring_angle_rad = flight->plan.quote.choice.ring_angle_rad;
+    // It has braked since, which guidance's estimate knows nothing of.
+    if (!ssv_executive_measured(executive, &scenario.X_IS) ||
+        ssv_problem_init(&flight->problem, &scenario, &fault) != SSV_OK ||
         ssv_plan(&flight->problem, &flight->work, &flight->plan) != SSV_OK)
         return false;
     log_line(LOG_WARN, "task %016" PRIx64 ": strayed from its plan, flies plan %016" PRIx64 " from where it is",

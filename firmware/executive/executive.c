@@ -144,13 +144,19 @@ static bool is_pose(const ssv_link_pose_t* pose) {
 
 static real_t from_float(float value) { return real_from_double((double)value); }
 
-static void measure(ssv_executive_t* executive, uint32_t time_boot_ms) {
+bool ssv_executive_measured(const ssv_executive_t* executive, pose_t* X_IS) {
     const float *p = executive->pose.p_IS_m, *q = executive->pose.q_IS;
-    const pose_t X_IS = {vec3(from_float(p[0]), from_float(p[1]), from_float(p[2])),
-                         quat_unit((quat_t){from_float(q[0]), from_float(q[1]), from_float(q[2]), from_float(q[3])})};
+    if (!executive->pose.known) return false;
+    X_IS->p = vec3(from_float(p[0]), from_float(p[1]), from_float(p[2]));
+    X_IS->q = quat_unit((quat_t){from_float(q[0]), from_float(q[1]), from_float(q[2]), from_float(q[3])});
+    return true;
+}
+
+static void measure(ssv_executive_t* executive, uint32_t time_boot_ms) {
+    pose_t X_IS;
     // Guidance has gone on to the moment of the next step.
     const int64_t age_us = executive->due_us - (INT64_C(1000) * time_boot_ms + executive->clock_offset_us);
-    if (age_us >= 0 && age_us < AGE_MAX_US)
+    if (age_us >= 0 && age_us < AGE_MAX_US && ssv_executive_measured(executive, &X_IS))
         ssv_guidance_measure(&executive->guidance, real_from_double(1e-6 * (double)age_us), X_IS);
 }
 

@@ -208,6 +208,16 @@ class Rough(InFolder):
         self.assertGreater(paced["wall_s"], one["execution"]["time_s"] / 250 * 0.9)
         self.assertNotEqual(comparable(other)["simulation"], comparable(one)["simulation"])
 
+    def test_a_vehicle_that_is_driven_off_its_way_to_the_beam_is_planned_anew_and_mates_where_it_was_to(self):
+        path = self.file("gusts.yaml", "water: {wander_m_s: [0.016, 0.016, 0.016], wander_time_s: 100}\n"
+                                       "navigation: {rate_Hz: 10}\n"
+                                       "mate_limit: {position_m: 0.04}\ndock_limit: {position_m: 0.04}\n")
+        task = self.file("ease.yaml", (SCENARIOS / "paper_case.yaml").read_text().replace("model: paper", "model: ease") +
+                         "\nthrust_reserve: 0.2\n")
+        flight = self.flown(task, "--conditions", path, "--seed", "8")
+        self.assertGreater(flight["execution"]["num_plans"], 1)
+        self.assertLess(flight["simulation"]["truth"]["mate"]["position_m"], 0.04)
+
     def test_a_dock_that_forgives_nothing_is_missed(self):
         path = self.file("strict.yaml", "navigation: {rate_Hz: 10, position_m: {white: 0.005}}\n"
                                         "dock_limit: {position_m: 0.00001}\n")

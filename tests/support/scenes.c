@@ -201,19 +201,20 @@ scene_nearest_t scene_nearest(const ssv_scenario_t* s, const ssv_plan_t* plan, i
     return nearest;
 }
 
-double scene_distance(const ssv_scenario_t* s, const ssv_plan_t* plan, int leg, double at, bool is_beam, int obstacle) {
+double scene_distance(const ssv_scenario_t* scenario, const ssv_plan_t* plan, int leg, double s, bool is_beam,
+                      int obstacle) {
     double q_IB[4], q_SB[4], q[4], q_now[4];
     point_t p;
-    quat_numbers(s->X_IB.q, q_IB);
+    quat_numbers(scenario->X_IB.q, q_IB);
     quat_numbers(plan->X_SB.q, q_SB);
-    pose_on(&plan->leg[leg], at, &p, q);
+    pose_on(&plan->leg[leg], s, &p, q);
     product(q, q_SB, q_now);
-    const tube_t lying = beam_tube(s, q_IB, point_of(s->X_IB.p));
-    const tube_t body = is_beam ? beam_tube(s, q_now, along(p, 1, turned(q, point_of(plan->X_SB.p))))
-                                : ball(p, real_to_double(s->vehicle.radius_m));
+    const tube_t lying = beam_tube(scenario, q_IB, point_of(scenario->X_IB.p));
+    const tube_t body = is_beam ? beam_tube(scenario, q_now, along(p, 1, turned(q, point_of(plan->X_SB.p))))
+                                : ball(p, real_to_double(scenario->vehicle.radius_m));
     return obstacle == SSV_OBSTACLE_BEAM   ? tube_to_tube(&body, &lying)
-           : obstacle == SSV_OBSTACLE_TANK ? tube_to_tank(&body, &s->scene->tank)
-                                           : to_obstacle(&body, &s->scene->obstacle[obstacle]);
+           : obstacle == SSV_OBSTACLE_TANK ? tube_to_tank(&body, &scenario->scene->tank)
+                                           : to_obstacle(&body, &scenario->scene->obstacle[obstacle]);
 }
 
 double scene_apart(const ssv_obstacle_t* capsule, const ssv_obstacle_t* obstacle) {

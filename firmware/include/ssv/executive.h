@@ -25,6 +25,7 @@
 #define ssv_executive_give_up SSV_NAME(ssv_executive_give_up)
 #define ssv_executive_pause SSV_NAME(ssv_executive_pause)
 #define ssv_executive_receive SSV_NAME(ssv_executive_receive)
+#define ssv_executive_measured SSV_NAME(ssv_executive_measured)
 #define ssv_executive_step SSV_NAME(ssv_executive_step)
 #define ssv_executive_poll SSV_NAME(ssv_executive_poll)
 
@@ -51,7 +52,7 @@ typedef enum {
     SSV_EXECUTIVE_UNDER_WAY = 0,
     SSV_EXECUTIVE_DOCKED,
     SSV_EXECUTIVE_MISSED,  ///< mate or dock did not succeed in as many attempts as guidance makes
-    SSV_EXECUTIVE_STRAYED, ///< lost the plan; before the mate a new one from guidance.estimate may help
+    SSV_EXECUTIVE_STRAYED, ///< lost the plan; before the mate a new one from where it is may help
     SSV_EXECUTIVE_STOPPED, ///< by ssv_executive_stop
     SSV_EXECUTIVE_HALTED,  ///< the vehicle stopped by itself or by another's command: `reason`
     SSV_EXECUTIVE_REFUSED, ///< the vehicle does not take the timeline or a command: `reason`
@@ -139,6 +140,9 @@ void ssv_executive_pause(ssv_executive_t* executive, bool paused);
 
 /// Takes bytes that came from the vehicle, all of them. Also while nothing is under way.
 void ssv_executive_receive(ssv_executive_t* executive, int64_t now_us, const uint8_t* bytes, size_t num_bytes);
+
+/// Where the vehicle measured itself to be last. False, and *X_IS untouched, where it has not told.
+bool ssv_executive_measured(const ssv_executive_t* executive, pose_t* X_IS);
 
 /// One turn of the control loop: call it when due_us has come, and no later than the vehicle's dead-man allows.
 void ssv_executive_step(ssv_executive_t* executive, int64_t now_us);

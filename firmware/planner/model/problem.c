@@ -75,9 +75,9 @@ static void check_axis(checker_t* checker, const char* field, vec3_t v, real_t m
     if (checker->ok) check_length(checker, field, vec3_norm(v), SSV_AXIS_TOLERANCE);
 }
 
-#define CHECK_KEPT_REAL CHECK_REAL
-#define CHECK_KEPT_VEC3 CHECK_VEC3
-#define CHECK_KEPT_ENUM CHECK_ENUM
+#define CHECK_KEPT_REAL(field, value, min, max) check(checker, field, value, min, max);
+#define CHECK_KEPT_VEC3(field, value, min, max) check_vec3(checker, field, value, min, max);
+#define CHECK_KEPT_ENUM(type) CHECK_INT
 #define CHECK_KEPT_UNIT(field, value, min, max) check_axis(checker, field, value, min, max);
 #define CHECK_KEPT_FIELD(kind, core, wire, min, max, unit, text) CHECK_KEPT_##kind(#wire, core, min, max)
 
