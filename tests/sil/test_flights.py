@@ -6,6 +6,7 @@ import json
 import os
 import random
 import re
+import select
 import signal
 import subprocess
 import tempfile
@@ -51,7 +52,7 @@ def fill(message, values):
 class Tank:
     """A bus of its own with a simulated vehicle and, once started, a planner; all of them end with close()."""
 
-    def __init__(self, plan, number):
+    def __init__(self, plan, number, link="udp-listen:0"):
         self.url = f"udpm://239.255.76.67:{20000 + (os.getpid() * 61 + number) % 20000}?ttl=0"
         self.lcm = lcm.LCM(self.url)
         self.status = self.execution = self.plan = self.truth = None
@@ -60,9 +61,9 @@ class Tank:
                                     ("SSV_PLAN", ssv.plan_t, "plan"),
                                     ("SSV_VEHICLE_TRUTH", ssv.vehicle_state_t, "truth")):
             self.lcm.subscribe(channel, lambda _, data, kind=kind, name=name: setattr(self, name, kind.decode(data)))
-        self.sim = subprocess.Popen([BIN / "ssv-sim", plan, "--link", "udp-listen:0", f"--lcm-url={self.url}"],
+        self.sim = subprocess.Popen([BIN / "ssv-sim", plan, "--link", link, f"--lcm-url={self.url}"],
                                     stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.port = re.search(r"port (\d+)", self.sim.stderr.readline())[1]
+        self.port = re.search(r"port (\d+)", self.sim.stderr.readline())[1] if link.startswith("udp") else None
         self.planners = []
 
     def start(self, *options):
@@ -103,6 +104,35 @@ class Tank:
         self.sim.send_signal(signal.SIGINT)
         out, _ = self.sim.communicate(timeout=10)
         return json.loads(out)
+
+
+class Cable:
+    """Two serial ports with a cable between, as pseudo-terminals, which carries so many bytes in a second each way."""
+
+    def __init__(self, bytes_per_s):
+        self.ends = [os.openpty(), os.openpty()]
+        self.devices = [os.ttyname(slave) for _, slave in self.ends]
+        self.bytes_per_s, self.count, self.is_open = bytes_per_s, [0, 0], True
+        self.threads = [threading.Thread(target=self.carry, args=(0, 1)), threading.Thread(target=self.carry, args=(1, 0))]
+        for thread in self.threads:
+            thread.start()
+
+    def carry(self, source, target):
+        while self.is_open:
+            ready, _, _ = select.select([self.ends[source][0]], [], [], 0.05)
+            data = os.read(self.ends[source][0], 64) if ready else b""
+            if data:
+                time.sleep(len(data) / self.bytes_per_s)
+                os.write(self.ends[target][0], data)
+                self.count[source] += len(data)
+
+    def close(self):
+        self.is_open = False
+        for thread in self.threads:
+            thread.join()
+        for master, slave in self.ends:
+            os.close(master)
+            os.close(slave)
 
 
 class Flights(unittest.TestCase):
@@ -169,6 +199,26 @@ class Flights(unittest.TestCase):
         self.assertLess(max(still), 0.01)
         tank.control(ssv.control_t.COMMAND_CONTINUE)
         self.assertTrue(tank.wait(lambda: tank.execution.plan_time_s > stood_s + 1, 10)[0])
+
+    def test_a_vehicle_at_the_end_of_a_serial_cable_is_flown_like_any_other(self):
+        cable = Cable(5760)  # 57,600 baud
+        self.addCleanup(cable.close)
+        tank = Tank(self.plan, 4, f"serial:{cable.devices[0]}:57600")
+        self.addCleanup(lambda: tank.sim.poll() is None and tank.close())
+        tank.start_linked = lambda: tank.start("--link", f"serial:{cable.devices[1]}:57600")
+        self.flying(tank)
+        sent, begun = list(cable.count), time.monotonic()
+        tank.wait(lambda: tank.execution.plan_time_s > 5, 30)
+        took_s = time.monotonic() - begun
+        down, up = [(now - before) / took_s / 5760 for now, before in zip(cable.count, sent)]
+        print(f"tracking takes {100 * down:.0f} % of 57,600 baud down and {100 * up:.0f} % up; {tank.execution.link_lost} frames "
+              f"lost down, {tank.execution.link_lost_up} up")
+        self.assertLess(max(down, up), 0.5)
+        self.assertEqual((tank.execution.link_lost, tank.execution.link_damaged), (0, 0))
+        self.assertLess(tank.execution.beside_m, 0.01)
+        tank.control(ssv.control_t.COMMAND_STOP)
+        self.assertTrue(tank.wait(lambda: tank.execution.state == E.STATE_ENDED, 40)[0])
+        self.assertEqual(tank.close()["phase"], 5)
 
     def test_a_daemon_that_is_told_to_end_stops_the_vehicle_first(self):
         tank = self.tank(3)
