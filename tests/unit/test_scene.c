@@ -164,6 +164,33 @@ static void test_a_blocked_end_is_told_by_body_obstacle_and_depth(void) {
     blocked(&s, SSV_START_BLOCKED, SSV_BODY_VEHICLE, SSV_OBSTACLE_TANK, 0.32 - 0.3025);
 }
 
+static void test_the_next_task_may_leave_what_it_has_just_built(void) {
+    // The beam that was docked stands there now, and the vehicle touches it.
+    ssv_scenario_t s = question();
+    TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
+    TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_plan(&problem, &work, &plan));
+    scene.num_obstacles = 1;
+    scene.obstacle[0] = (ssv_obstacle_t){SSV_CAPSULE, s.p_IP_m, s.axis_I, s.beam.length_m, s.beam.radius_m};
+    s.obstacles = 1;
+    s.X_IS = plan.quote.X_IS_final;
+    s.X_IB.p.z = 3; // the next beam
+    s.p_IP_m.x += 3;
+    blocked(&s, SSV_START_BLOCKED, SSV_BODY_VEHICLE, 0, s.standoff_m - s.vehicle.radius_m - s.beam.radius_m);
+    s.left = 1;
+    TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
+    TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_plan(&problem, &work, &plan));
+    TEST_ASSERT_TRUE(plan.clearance.certified_m >= s.margin_m);
+    double way_m = 0;
+    for (int leg = 0; leg < plan.num_legs; leg++) {
+        for (int n = 0; n <= 200; n++) {
+            const double at = plan.leg[leg].length * n / 200, apart = scene_distance(&s, &plan, leg, at, false, 0);
+            const double far = way_m + vec3_norm(plan.leg[leg].v_S) * at;
+            TEST_ASSERT_TRUE(apart >= (far < 0.3 ? -0.0011 : s.margin_m));
+        }
+        way_m += vec3_norm(plan.leg[leg].v_S) * plan.leg[leg].length;
+    }
+}
+
 static void test_what_is_seen_later_is_found_on_the_plan(void) {
     ssv_scenario_t s = question();
     ssv_clearance_t clearance;
@@ -195,6 +222,7 @@ int main(void) {
     RUN_TEST(test_a_scene_that_holds_nothing_changes_nothing);
     RUN_TEST(test_the_hash_covers_what_the_mask_selects);
     RUN_TEST(test_a_blocked_end_is_told_by_body_obstacle_and_depth);
+    RUN_TEST(test_the_next_task_may_leave_what_it_has_just_built);
     RUN_TEST(test_what_is_seen_later_is_found_on_the_plan);
     return UNITY_END();
 }

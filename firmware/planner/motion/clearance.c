@@ -2,10 +2,12 @@
 
 #include "planner/math/assert.h"
 #include "planner/model/grasp.h"
+#include "planner/motion/path.h"
 
 #define NUM_BODIES 2
-// Halves of halves under way. The longest maneuver of the largest tank comes down to the resolution in fewer.
-#define MAX_STRETCHES 28
+// Halves of halves under way. More, and the stack is too deep; fewer, and maneuvers of some hundred metres do not come
+// down to the resolution: they count as if they were nearer.
+#define MAX_STRETCHES 22
 // A stretch on which nothing moves farther than this [m] is halved no more. Larger, and motions that keep the margin by
 // less count as if they did not; smaller, and motions along an obstacle take longer.
 #define RESOLUTION_M REAL(2.5e-4)
@@ -177,9 +179,9 @@ void ssv_clearance_add(const ssv_flight_t* flight, const ssv_clearance_rule_t* r
     // The last stretch is measured along the way of the vehicle before it mates, and of the contact before it docks.
     const vec3_t p_SE = alone ? vec3(REAL(0), REAL(0), REAL(0)) : flight->contact == 1 ? p_SA : p_SZ;
     const ssv_obstacles_t none = {0, false, false}, beam = {0, true, false};
-    pose_t at[SSV_MAX_LEGS + 1] = {flight->X_IS};
+    pose_t at[SSV_MAX_PHASE_MANEUVERS + 1] = {flight->X_IS};
     real_t way_m = REAL(0);
-    SSV_ASSERT(flight->num_maneuvers <= SSV_MAX_LEGS);
+    SSV_ASSERT(flight->num_maneuvers <= SSV_MAX_PHASE_MANEUVERS);
     for (int k = 0; k < flight->num_maneuvers; k++) {
         const ssv_maneuver_t* maneuver = &flight->maneuver[k];
         const bool moves = maneuver->length > REAL(0);
@@ -264,11 +266,13 @@ void ssv_plan_clearance(const ssv_problem_t* problem, const ssv_plan_t* plan, co
         if (num == plan->num_legs) break;
         const bool alone = phase == (int)SSV_TRANSIT;
         const ssv_assembly_t assembly = {&scenario->vehicle, alone ? NULL : &scenario->beam, plan->X_SB};
-        ssv_maneuver_t maneuver[SSV_MAX_LEGS];
+        ssv_maneuver_t maneuver[SSV_MAX_PHASE_MANEUVERS];
         ssv_flight_t flight = {scenario, &around, &assembly, plan->leg[num].X_IS_start, plan->quote.choice.contact,
                                maneuver, 0};
         const int first = num;
-        for (; num < plan->num_legs && plan->leg[num].phase == (ssv_phase_t)phase; num++) {
+        for (; num < plan->num_legs && flight.num_maneuvers < SSV_MAX_PHASE_MANEUVERS &&
+               plan->leg[num].phase == (ssv_phase_t)phase;
+             num++) {
             const ssv_leg_t* leg = &plan->leg[num];
             maneuver[flight.num_maneuvers++] =
                 (ssv_maneuver_t){leg->phase, leg->kind, {leg->v_S, leg->w_S}, leg->length, REAL(0)};

@@ -19,3 +19,9 @@ const ssv_budget_t ssv_budgets[2] = {
                          .rounds = {{SSV_MAX_SEEDS, 1, false}, {3, 3, false}, {1, 3, true}},
                          .transit = {1, 3, false},
                          .joint = {1, 4, true}}};
+
+const ssv_detour_t ssv_detours[SSV_NUM_DETOURS] = {{SSV_EFFORT_QUICK, REAL(0.5), REAL(0.5)},
+                                                   {SSV_EFFORT_QUICK, REAL(0.5), REAL(1)},
+                                                   {SSV_EFFORT_BEST, REAL(0), REAL(0)},
+                                                   {SSV_EFFORT_BEST, REAL(0.5), REAL(0.5)},
+                                                   {SSV_EFFORT_BEST, REAL(0.5), REAL(1)}};

@@ -68,4 +68,16 @@ typedef struct {
 
 extern const ssv_budget_t ssv_budgets[2]; ///< by ssv_effort_t
 
+/// What follows where nothing was found that keeps clear: other efforts, and longer approaches, which lead the last
+/// turn of a phase out of what stands close around beam or port.
+typedef struct {
+    ssv_effort_t effort;
+    real_t approach_mate_m, approach_dock_m; ///< [m] at least
+} ssv_detour_t;
+
+#define SSV_NUM_DETOURS 5
+/// The one that is what effort best has done by then.
+#define SSV_SAME_DETOUR 2
+extern const ssv_detour_t ssv_detours[SSV_NUM_DETOURS];
+
 #endif

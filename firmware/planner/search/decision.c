@@ -86,7 +86,7 @@ ssv_phase_context_t ssv_transfer_context(const ssv_question_t* question, int con
     context.transfer.axis_I[0] = quat_apply(s->X_IB.q, z_axis);
     context.transfer.axis_I[1] = contact == 1 ? s->axis_I : vec3_neg(s->axis_I);
     context.hold_I[0] = vec3_add(s->X_IB.p, vec3_scale(height_m, context.transfer.axis_I[0]));
-    context.hold_I[1] = vec3_add(s->p_IP_m, vec3_scale(from_contact + s->approach_dock_m, s->axis_I));
+    context.hold_I[1] = vec3_add(s->p_IP_m, vec3_scale(from_contact + question->approach_dock_m, s->axis_I));
     context.transfer.q_given = quat_identity();
     if (s->ring_angle_given) {
         const ssv_grasp_t grasp = {contact, height_m, s->ring_angle_rad};
@@ -99,7 +99,7 @@ ssv_phase_context_t ssv_transfer_context(const ssv_question_t* question, int con
 ssv_phase_context_t ssv_transit_context(const ssv_phase_context_t* transfer, const pose_t* X_to) {
     SSV_ASSERT(transfer->phase == SSV_TRANSFER);
     const pose_t* X_from = &transfer->question->problem->scenario.X_IS;
-    const real_t approach_m = transfer->question->problem->scenario.approach_mate_m;
+    const real_t approach_m = transfer->question->approach_mate_m;
     const vec3_t p_to =
         approach_m > REAL(0) ? vec3_sub(X_to->p, vec3_scale(approach_m, quat_apply(X_to->q, x_axis))) : X_to->p;
     return (ssv_phase_context_t){.question = transfer->question,
@@ -206,7 +206,7 @@ void ssv_decision_motion(const ssv_phase_context_t* context, const ssv_decision_
     motion->maneuver[2] = turn_about(context->phase, a.q_IT[1], a.q_IS[1], pivot[1]);
     motion->num_maneuvers = 3;
     const ssv_scenario_t* s = &context->question->problem->scenario;
-    const real_t approach_m = alone ? s->approach_mate_m : s->approach_dock_m;
+    const real_t approach_m = alone ? context->question->approach_mate_m : context->question->approach_dock_m;
     if (approach_m > REAL(0)) {
         const vec3_t way_S = alone ? vec3_scale(approach_m, x_axis)
                                    : quat_apply(quat_conj(a.q_IS[1]), vec3_scale(-approach_m, s->axis_I));

@@ -213,23 +213,32 @@ static bool begin_rest(ssv_choice_t* choice, const ssv_quote_t* quote) {
     return any;
 }
 
-// Less effort ends with more of it where it has found nothing that keeps clear.
-static void begin_after_paper(ssv_choice_t* choice, ssv_quote_t* quote) {
-    const ssv_question_t* question = &choice->question;
-    const bool needs_more = question->problem->around.counts && choice->best.price.outcome != SSV_FEASIBLE;
-    if (needs_more && question->method == SSV_METHOD_OPTIMAL && choice->effort == SSV_EFFORT_QUICK) {
-        begin_screening(choice, SSV_EFFORT_BEST, quote);
-        choice->tries_all = true;
-    } else {
+// Where nothing keeps clear, one detour after the other, until something does. Effort best, which has been along its
+// own way, starts with what effort quick does and then does better.
+static void begin_detour(ssv_choice_t* choice, ssv_quote_t* quote) {
+    ssv_question_t* question = &choice->question;
+    const ssv_scenario_t* scenario = &question->problem->scenario;
+    const bool found = choice->best.price.outcome == SSV_FEASIBLE, best = scenario->effort == SSV_EFFORT_BEST;
+    const bool improves = best && choice->detour >= 0 && choice->effort == SSV_EFFORT_QUICK;
+    const bool goes_on = question->problem->around.counts && question->method == SSV_METHOD_OPTIMAL;
+    choice->detour++;
+    if (best && (found || choice->detour == SSV_SAME_DETOUR)) choice->detour = SSV_SAME_DETOUR + 1;
+    if (!goes_on || (found && !improves) || choice->detour == SSV_NUM_DETOURS) {
         begin_stage(choice, SSV_CHOICE_IS_MADE);
+        return;
     }
+    const ssv_detour_t* detour = &ssv_detours[choice->detour];
+    question->approach_mate_m = real_max(scenario->approach_mate_m, detour->approach_mate_m);
+    question->approach_dock_m = real_max(scenario->approach_dock_m, detour->approach_dock_m);
+    begin_screening(choice, detour->effort, quote);
+    choice->tries_all = !found;
 }
 
 static void begin_after_searches(ssv_choice_t* choice, ssv_quote_t* quote) {
     const ssv_scenario_t* scenario = &choice->question.problem->scenario;
     if (begin_rest(choice, quote)) return;
-    if (choice->effort == SSV_EFFORT_BEST && scenario->effort != SSV_EFFORT_BEST) {
-        begin_stage(choice, SSV_CHOICE_IS_MADE);
+    if (choice->detour >= 0) {
+        begin_detour(choice, quote);
         return;
     }
     if (choice->effort == SSV_EFFORT_BEST) {
@@ -251,7 +260,7 @@ void ssv_choice_begin(const ssv_question_t* question, ssv_choice_t* choice, ssv_
     choice->best.price.outcome = SSV_TOO_LONG;
     enter_candidates(&question->problem->scenario, quote);
     const bool blocked = check_room(question, quote);
-    choice->effort = SSV_EFFORT_QUICK;
+    choice->detour = -1;
     if (blocked) {
         begin_stage(choice, SSV_CHOICE_IS_MADE);
     } else if (question->method == SSV_METHOD_OPTIMAL) {
@@ -281,7 +290,7 @@ bool ssv_choice_step(ssv_choice_t* choice, ssv_quote_t* quote) {
             begin_stage(choice, SSV_CHOICE_TRIES_PAPER);
             break;
         case SSV_CHOICE_TRIES_PAPER:
-            if (try_paper(choice, quote)) begin_after_paper(choice, quote);
+            if (try_paper(choice, quote)) begin_detour(choice, quote);
             break;
         case SSV_CHOICE_IS_MADE: break;
     }

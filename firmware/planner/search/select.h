@@ -37,6 +37,8 @@ typedef struct {
     ssv_choice_stage_t stage;
     ssv_effort_t effort; ///< of the searches under way
     bool tries_all;      ///< whether no candidate is left out until there is one that keeps clear
+    int detour;          ///< number of the one that is being tried, of those that follow where nothing keeps clear; -1
+                         ///< before
     int num_done;        ///< candidates screened, searched or tried, or steps made along the beam, in this stage
     ssv_prospects_t prospects;
     real_t along_from_m, along_step_m; ///< the height that steps start from, and how long they are
