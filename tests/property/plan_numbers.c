@@ -145,7 +145,7 @@ static bool price_motion(char* line, uint64_t seed, int method) {
     const ssv_scenario_t scenario = task(seed, i, method);
     if (ssv_problem_init(&problem, &scenario, &fault) != SSV_OK) return false;
     const ssv_question_t question = ssv_question_of(&problem);
-    ssv_maneuver_t maneuver;
+    ssv_maneuver_t maneuver = {.speed_max = REAL(0)};
     while (read_maneuver(&line, &maneuver)) {
         const ssv_beam_t* beam = maneuver.phase == SSV_TRANSFER ? &problem.scenario.beam : NULL;
         const ssv_assembly_t assembly = {&problem.scenario.vehicle, beam, X_SB};
