@@ -10,6 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "bench/key.h"
 #include "bench/port.h"
 #include "ssv/vehicle.h"
 
@@ -22,7 +23,7 @@ static ssv_controller_t vehicle;
 static ssv_vehicle_config_t config;
 
 typedef struct {
-    const char* link;
+    const char *link, *key;
     ssv_link_pose_t pose;
     double print_s;
 } options_t;
@@ -37,13 +38,14 @@ static const char doc[] =
     "  ssv-vehicle --link udp-listen:14555       answers whoever speaks to it\n"
     "  ssv-vehicle --link serial:/dev/ttyUSB0:57600 --at 1,0,0.5\n"
     "\n"
-    "Exit codes: 0 interrupted, 64 usage, 69 the port cannot be opened.";
+    "Exit codes: 0 interrupted, 64 usage, 69 port or key cannot be opened.";
 
 static const struct argp_option option_list[] = {
     {"link", 'l', "WHERE", 0, "udp:ADDRESS:PORT, udp-listen:PORT or serial:DEVICE:BAUD (default udp:127.0.0.1:14550)",
      0},
     {"at", 'p', "X,Y,Z", 0, "Where the vehicle is, in metres (default 0,0,0)", 0},
     {"attitude", 'q', "W,X,Y,Z", 0, "Its attitude, a unit quaternion (default 1,0,0,0)", 0},
+    {"key", 'K', "FILE", 0, "Sign what is sent and hear only what is signed with the key in FILE (64 hex digits)", 0},
     {"every", 'e', "SECONDS", 0, "How often the thrusts are printed while there are any (default 1)", 0},
     {0}};
 
@@ -63,6 +65,7 @@ static error_t parse(int key, char* text, struct argp_state* state) {
     char* end;
     switch (key) {
         case 'l': options->link = text; return 0;
+        case 'K': options->key = text; return 0;
         case 'p':
             if (!numbers(text, 3, options->pose.p_IS_m)) argp_error(state, "--at takes three numbers, such as 1,0,0.5");
             return 0;
@@ -146,6 +149,11 @@ int main(int argc, char** argv) {
         return EXIT_PORT;
     }
     ssv_vehicle_config_default(&config, ((uint32_t)time(NULL) ^ ((uint32_t)getpid() << 16)) | 1);
+    config.link.sign = options.key != NULL;
+    if (config.link.sign && !key_read(options.key, 0, &config.link.signing, error, sizeof error)) {
+        fprintf(stderr, "ssv-vehicle: %s\n", error);
+        return EXIT_PORT;
+    }
     if (!ssv_vehicle_init(&vehicle, &config)) return EXIT_FAILURE;
     const struct sigaction action = {.sa_handler = end};
     sigaction(SIGINT, &action, NULL);

@@ -44,18 +44,21 @@ static int64_t now_us(const flight_t* flight) {
 
 bool flight_open(flight_t* flight, lcm_t* lcm, const flight_options_t* options, uint32_t boot_id, char* error,
                  size_t error_size) {
-    const ssv_executive_config_t config = {.link = {.sysid = SSV_LINK_VEHICLE_SYSID,
-                                                    .compid = SSV_LINK_PLANNER_COMPID,
-                                                    .vehicle_sysid = SSV_LINK_VEHICLE_SYSID,
-                                                    .vehicle_compid = SSV_LINK_VEHICLE_COMPID,
-                                                    .boot_id = boot_id},
-                                           .thruster_lag_s = real_from_double(options->thruster_lag_s)};
+    ssv_executive_config_t config = {.link = {.sysid = SSV_LINK_VEHICLE_SYSID,
+                                              .compid = SSV_LINK_PLANNER_COMPID,
+                                              .vehicle_sysid = SSV_LINK_VEHICLE_SYSID,
+                                              .vehicle_compid = SSV_LINK_VEHICLE_COMPID,
+                                              .boot_id = boot_id},
+                                     .thruster_lag_s = real_from_double(options->thruster_lag_s)};
     char where[64];
     memset(flight, 0, sizeof *flight);
     flight->lcm = lcm;
     flight->options = *options;
     flight->zero_us = clock_us(CLOCK_MONOTONIC);
     flight->port.fd = flight->leave.fd = -1;
+    config.link.sign = options->key != NULL;
+    if (config.link.sign && !key_read(options->key, now_us(flight), &config.link.signing, error, error_size))
+        return false;
     ssv_executive_init(&flight->executive, &config);
     if (!port_open(&flight->port, options->link, error, error_size)) return false;
     if (options->lockstep != NULL) {

@@ -4,6 +4,7 @@
 
 #include <lcm/lcm.h>
 
+#include "bench/key.h"
 #include "bench/port.h"
 #include "lcm_ssv_control_t.h"
 #include "ssv/answer.h"
@@ -11,6 +12,7 @@
 
 typedef struct {
     const char* link;      ///< as port_open
+    const char* key;       ///< file of the key that the link is signed with; NULL for none
     const char* lockstep;  ///< UDP port on the loopback that gives a simulator leave; NULL for the real clock
     double rate;           ///< simulated seconds per second in lockstep; 0 for as fast as it goes
     double thruster_lag_s; ///< [s]

@@ -567,12 +567,13 @@ static const char manual[] =
     "  1   the system refused something else\n"
     "  4   LCM cannot be opened, or was lost\n"
     "  64  wrong usage\n"
-    "  69  the link to the vehicle cannot be opened\n";
+    "  69  the link to the vehicle, or its key, cannot be opened\n";
 
 static const struct argp_option option_table[] = {
     {"lcm-url", 'l', "URL", 0, "LCM provider; default: the environment's LCM_DEFAULT_URL, else LCM's own", 0},
     {"link", 'L', "WHERE", 0,
      "fly tasks with the vehicle at WHERE: udp:ADDRESS:PORT, udp-listen:PORT or serial:DEVICE:BAUD", 0},
+    {"key", 'K', "FILE", 0, "sign the link, and hear only what is signed with the key in FILE (64 hex digits)", 0},
     {"thruster-lag", 't', "S", 0, "time constant of the thrusters that guidance reckons with, in seconds (default 0)",
      0},
     {"lockstep", 'k', "PORT", 0, "the vehicle is an ssv-sim that waits for leave at this UDP port of this machine", 0},
@@ -595,11 +596,13 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
         case 'v': options->verbose = true; return 0;
         case 'L': options->flight.link = argument; return 0;
         case 'k': options->flight.lockstep = argument; return 0;
+        case 'K': options->flight.key = argument; return 0;
         case 'r': options->flight.rate = number(state, "--rate", argument, 1e-3, 1e6); return 0;
         case 't': options->flight.thruster_lag_s = number(state, "--thruster-lag", argument, 0, 10); return 0;
         case ARGP_KEY_END:
-            if (options->flight.link == NULL && (options->flight.lockstep != NULL || options->flight.rate > 0))
-                argp_error(state, "--lockstep and --rate need --link");
+            if (options->flight.link == NULL &&
+                (options->flight.lockstep != NULL || options->flight.rate > 0 || options->flight.key != NULL))
+                argp_error(state, "--lockstep, --rate and --key need --link");
             if (options->flight.lockstep == NULL && options->flight.rate > 0)
                 argp_error(state, "--rate needs --lockstep: a real vehicle has a clock of its own");
             return 0;
@@ -613,7 +616,7 @@ const char* argp_program_version = "ssv-plannerd " SSV_VERSION " (" REAL_NAME ")
 int main(int argc, char** argv) {
     static plannerd_t self;
     static const struct argp parser = {option_table, parse_option, NULL, manual, NULL, NULL, NULL};
-    options_t options = {NULL, false, {NULL, NULL, 0, 0}};
+    options_t options = {NULL, false, {NULL, NULL, NULL, 0, 0}};
     char error[400];
     argp_parse(&parser, argc, argv, 0, NULL, &options);
     log_set_verbose(options.verbose);

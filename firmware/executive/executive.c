@@ -6,6 +6,8 @@
 /// [us] How long to wait for a vehicle before the upload, and after which silence it is lost.
 #define SEEK_US INT64_C(5000000)
 #define SILENCE_US INT64_C(2000000)
+/// [us] An upload of which nothing more is acknowledged for so long has failed: a vehicle may be heard and not hear us.
+#define UPLOAD_US INT64_C(15000000)
 /// [us] A stop is over by then: the vehicle's brake takes 30 s at most.
 #define STOP_US INT64_C(40000000)
 /// [us] A flight takes twice the plan's time at most, and so much more.
@@ -275,7 +277,19 @@ static void seek(ssv_executive_t* executive, int64_t now_us) {
     } else if (is_heard && phase != SSV_LINK_BRAKING) {
         ssv_link_planner_upload(&executive->link, executive->file, executive->length);
         enter(executive, SSV_EXECUTIVE_UPLOADING);
+        executive->uploaded = 0;
+        executive->uploaded_us = now_us;
     } else if (!is_heard && now_us - executive->begun_us > SEEK_US) {
+        finish(executive, SSV_EXECUTIVE_SILENT, SSV_LINK_NO_REASON);
+    }
+}
+
+static void watch_upload(ssv_executive_t* executive, int64_t now_us) {
+    const size_t uploaded = ssv_link_planner_uploaded(&executive->link);
+    if (uploaded != executive->uploaded) {
+        executive->uploaded = uploaded;
+        executive->uploaded_us = now_us;
+    } else if (now_us - executive->uploaded_us > UPLOAD_US) {
         finish(executive, SSV_EXECUTIVE_SILENT, SSV_LINK_NO_REASON);
     }
 }
@@ -366,6 +380,7 @@ void ssv_executive_step(ssv_executive_t* executive, int64_t now_us) {
         finish(executive, SSV_EXECUTIVE_SILENT, SSV_LINK_NO_REASON);
     switch (executive->state) {
         case SSV_EXECUTIVE_SEEKING: seek(executive, now_us); break;
+        case SSV_EXECUTIVE_UPLOADING: watch_upload(executive, now_us); break;
         case SSV_EXECUTIVE_COMMITTING: command(executive, now_us, SSV_LINK_COMMIT, 0); break;
         case SSV_EXECUTIVE_ARMING:
             command(executive, now_us, SSV_LINK_ARM, executive->vehicle.phase != SSV_LINK_STOPPED);

@@ -89,6 +89,8 @@ const char* sil_init(sil_t* sil, const sil_config_t* config, uint64_t seed) {
     sil->place = config->place;
     sil->port = config->port;
     ssv_vehicle_config_default(&sil->config, config->boot_id);
+    sil->config.link.sign = config->sign;
+    sil->config.link.signing = config->signing;
     sil->config.link.force_max_N = (float)config->force_max_N;
     sil->config.thrust_max_N = (float)(THRUST_RATIO * config->force_max_N);
     set_curves(&sil->config, &config->world.thrusters, (double)sil->config.thrust_max_N);

@@ -14,6 +14,8 @@ typedef struct {
     sim_port_t port;
     double force_max_N;
     uint32_t boot_id;
+    bool sign;
+    ssv_link_signing_t signing; ///< read if `sign`
 } sil_config_t;
 
 typedef struct {

@@ -10,6 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "bench/key.h"
 #include "bench/port.h"
 #include "conditions.h"
 #include "scene.h"
@@ -25,7 +26,7 @@ const char* argp_program_version = "ssv-sim " SIM_VERSION;
 static volatile sig_atomic_t is_over;
 
 typedef struct {
-    const char *plan, *conditions, *link, *lockstep;
+    const char *plan, *conditions, *link, *lockstep, *key;
     const char* lcm_url; ///< NULL: the bus is told nothing
     unsigned long long seed;
     double rate; ///< simulated seconds per second; 0 with lockstep
@@ -55,6 +56,7 @@ static const char doc[] =
 static const struct argp_option option_list[] = {
     {"link", 'l', "WHERE", 0, "udp:ADDRESS:PORT, udp-listen:PORT or serial:DEVICE:BAUD (default udp:127.0.0.1:14550)",
      0},
+    {"key", 'K', "FILE", 0, "Sign what is sent and hear only what is signed with the key in FILE (64 hex digits)", 0},
     {"conditions", 'c', "FILE", 0, "Disturbances and tolerances (default: none)", 0},
     {"seed", 's', "N", 0, "Seed of the disturbances (default 1)", 0},
     {"rate", 'r', "R", 0, "Simulated seconds per second (default 1)", 0},
@@ -69,6 +71,7 @@ static error_t parse(int key, char* text, struct argp_state* state) {
     char* end = NULL;
     switch (key) {
         case 'l': options->link = text; return 0;
+        case 'K': options->key = text; return 0;
         case 'c': options->conditions = text; return 0;
         case 'k': options->lockstep = text; return 0;
         case 'u': options->lcm_url = text; return 0;
@@ -208,6 +211,11 @@ static int set_up(sil_t* sil, const options_t* options) {
     scene_of_plan(&plan, &config);
     plan_file_free(&plan);
     if (options->conditions != NULL && !conditions_read(options->conditions, &config.world, error, sizeof error)) {
+        fprintf(stderr, "ssv-sim: %s\n", error);
+        return EXIT_INPUT;
+    }
+    config.sign = options->key != NULL;
+    if (config.sign && !key_read(options->key, 0, &config.signing, error, sizeof error)) {
         fprintf(stderr, "ssv-sim: %s\n", error);
         return EXIT_INPUT;
     }

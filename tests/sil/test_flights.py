@@ -52,7 +52,7 @@ def fill(message, values):
 class Tank:
     """A bus of its own with a simulated vehicle and, once started, a planner; all of them end with close()."""
 
-    def __init__(self, plan, number, link="udp-listen:0"):
+    def __init__(self, plan, number, link="udp-listen:0", options=()):
         self.url = f"udpm://239.255.76.67:{20000 + (os.getpid() * 61 + number) % 20000}?ttl=0"
         self.lcm = lcm.LCM(self.url)
         self.status = self.execution = self.plan = self.truth = None
@@ -61,7 +61,7 @@ class Tank:
                                     ("SSV_PLAN", ssv.plan_t, "plan"),
                                     ("SSV_VEHICLE_TRUTH", ssv.vehicle_state_t, "truth")):
             self.lcm.subscribe(channel, lambda _, data, kind=kind, name=name: setattr(self, name, kind.decode(data)))
-        self.sim = subprocess.Popen([BIN / "ssv-sim", plan, "--link", link, f"--lcm-url={self.url}"],
+        self.sim = subprocess.Popen([BIN / "ssv-sim", plan, "--link", link, f"--lcm-url={self.url}", *options],
                                     stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.port = re.search(r"port (\d+)", self.sim.stderr.readline())[1] if link.startswith("udp") else None
         self.planners = []
@@ -219,6 +219,35 @@ class Flights(unittest.TestCase):
         tank.control(ssv.control_t.COMMAND_STOP)
         self.assertTrue(tank.wait(lambda: tank.execution.state == E.STATE_ENDED, 40)[0])
         self.assertEqual(tank.close()["phase"], 5)
+
+    def test_with_a_key_the_vehicle_obeys_who_has_it_and_nobody_else(self):
+        keys = {}
+        for name, digits in (("right", "0123456789abcdef" * 4), ("wrong", "f" * 64), ("short", "ab")):
+            keys[name] = Path(self.scratch.name) / name
+            keys[name].write_text(digits + "\n")
+            keys[name].chmod(0o600)
+        tank = Tank(self.plan, 5, options=("--key", keys["right"]))
+        self.addCleanup(lambda: tank.sim.poll() is None and tank.close())
+        for key in (("--key", keys["wrong"]), ()):
+            with self.subTest(key=key):
+                tank.execution = None
+                planner = tank.start("--link", f"udp:127.0.0.1:{tank.port}", *key)
+                self.assertTrue(tank.wait(lambda: tank.status is not None, 10)[0])
+                self.assertEqual(tank.ask(self.scenario, 30 + len(key), 1000).quote.status, ssv.quote_t.STATUS_OK)
+                self.assertTrue(tank.wait(lambda: tank.execution is not None and tank.execution.outcome != 0, 40)[0])
+                self.assertEqual(tank.execution.outcome, E.OUTCOME_SILENT)
+                planner.kill()
+                planner.wait()
+        tank.execution = None
+        tank.start_linked = lambda: tank.start("--link", f"udp:127.0.0.1:{tank.port}", "--key", keys["right"])
+        self.flying(tank)
+        tank.wait(lambda: tank.execution.plan_time_s > 1, 10)
+        keys["right"].chmod(0o644)
+        for key, words in ((keys["right"], "chmod 600"), (keys["short"], "64 hexadecimal"), ("nowhere", "No such file")):
+            done = subprocess.run([BIN / "ssv-plannerd", "-l", tank.url, "--link", "udp-listen:0", "--key", key],
+                                  capture_output=True, text=True, timeout=10)
+            self.assertEqual(done.returncode, 69)
+            self.assertIn(words, done.stderr)
 
     def test_a_daemon_that_is_told_to_end_stops_the_vehicle_first(self):
         tank = self.tank(3)

@@ -118,7 +118,8 @@ typedef struct {
     int64_t event_ns[SSV_MAX_EVENTS]; ///< [ns] of the timeline
     ssv_timeline_t timeline;
     uint8_t file[SSV_TIMELINE_FILE_BYTES_MAX];
-    size_t length;
+    size_t length, uploaded;
+    int64_t uploaded_us;
 } ssv_executive_t;
 
 /// Knows no vehicle and no plan yet.
