@@ -156,17 +156,17 @@ ssv_build() {
     _ssv_step "Building ${folder#"$SSV_ROOT/"}" cmake --build "$folder"
 }
 
-# build/coal, an environment with exactly tests/requirements-coal.txt: what the long run measures distances with. Its
-# packages do not work from a folder on the module path.
-_ssv_fetch_coal() {
-    local requirements=$SSV_ROOT/tests/requirements-coal.txt stamp=$SSV_BUILD/coal/requirements.stamp wanted
+# build/NAME, an environment with exactly tests/requirements-NAME.txt: what the long run alone takes, and what does not
+# work from a folder on the module path.
+_ssv_fetch_environment() {
+    local folder=$SSV_BUILD/$1 requirements=$SSV_ROOT/tests/requirements-$1.txt wanted
+    local stamp=$folder/requirements.stamp
     wanted="$(python3 --version) $(sha256sum <"$requirements")"
     if [[ -f $stamp && $(<"$stamp") == "$wanted" ]]; then
         return
     fi
-    _ssv_step "Making an environment for coal" "$SSV_PYTHON" -m venv --clear "$SSV_BUILD/coal"
-    _ssv_step "Fetching coal" "$SSV_BUILD/coal/bin/python" -m pip install --no-deps --only-binary :all: --require-hashes \
-        -r "$requirements"
+    _ssv_step "Making an environment for $1" python3 -m venv --clear "$folder"
+    _ssv_step "Fetching $1" "$folder/bin/python" -m pip install --no-deps --only-binary :all: --require-hashes -r "$requirements"
     printf '%s\n' "$wanted" >"$stamp"
 }
 
@@ -194,7 +194,10 @@ ssv_setup() {
         _ssv_fetch_checks
         _ssv_step "Looking for Unity" python3 "$SSV_ROOT/tests/support/fetch_unity.py"
         _ssv_fetch_judges
-        [[ -z ${SSV_LONG:-} ]] || _ssv_fetch_coal
+        if [[ -n ${SSV_LONG:-} ]]; then
+            _ssv_fetch_environment coal
+            _ssv_fetch_environment mavproxy
+        fi
     fi
     ssv_build "$SSV_BUILD" -DSSV_BUILD_TESTS=$tests
 }

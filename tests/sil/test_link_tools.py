@@ -1,6 +1,6 @@
 """Wireshark and MAVProxy against the link: tshark names every field of our messages with its unit, MAVProxy sees the
 vehicle and calls its mode by a name that is true. tshark is used where it is installed; SSV_LONG=1 demands it, and
-fetches MAVProxy."""
+MAVProxy, which the set-up fetches then."""
 import os
 import pathlib
 import shutil
@@ -19,7 +19,6 @@ import ssv  # noqa: E402  made by mavgen from ssv.xml
 
 SESSION, BENCH = os.environ["SSV_LINK_SESSION"], os.environ["SSV_LINK_BENCH"]
 BUILD_DIR, LONG = pathlib.Path(os.environ["SSV_BUILD_DIR"]), os.environ.get("SSV_LONG")
-HERE = pathlib.Path(__file__).parent
 
 
 def write_capture(path, frames):
@@ -54,16 +53,8 @@ class Wireshark(unittest.TestCase):
         self.assertIn("trim[5] (float) [N]: -6", text)
 
 
-@unittest.skipUnless(LONG, "fetches MAVProxy: in the long run alone")
+@unittest.skipUnless(LONG, "MAVProxy is fetched for the long run alone")
 class Mavproxy(unittest.TestCase):
-    def setUp(self):
-        self.venv = BUILD_DIR / "mavproxy"
-        if not (self.venv / "ready").exists():
-            subprocess.run([sys.executable, "-m", "venv", "--clear", self.venv], check=True)
-            subprocess.run([self.venv / "bin/python", "-m", "pip", "install", "--quiet", "--no-deps", "--only-binary", ":all:",
-                            "--require-hashes", "-r", HERE / "mavproxy_requirements.txt"], check=True)
-            (self.venv / "ready").touch()
-
     def test_it_sees_the_vehicle_its_parameters_and_a_mode_that_is_true(self):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             probe.bind(("127.0.0.1", 0))
@@ -71,7 +62,7 @@ class Mavproxy(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             bench = subprocess.Popen([BENCH, "0", str(port)], stdout=subprocess.DEVNULL)
             proxy = subprocess.Popen(
-                [self.venv / "bin/mavproxy.py", f"--master=udpin:127.0.0.1:{port}", f"--state-basedir={folder}",
+                [BUILD_DIR / "mavproxy/bin/mavproxy.py", f"--master=udpin:127.0.0.1:{port}", f"--state-basedir={folder}",
                  "--default-modules=ftp,mode,param,arm"], cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT, text=True)
             try:
