@@ -152,8 +152,8 @@ ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_work_t* work, ssv_plan_t
 /// Each of the three in slices, for who has other things to do between: begin, then step until it returns true, when
 /// the answer is complete and the same to the last bit. A step looks at one candidate or height, or writes the plan.
 /// The longest takes some 25 ms in fixed point on a desktop core and 3 ms in double (effort best), and there are at
-/// most 90 of them in a quote or plan, where things stand in the way 300, and 9 times as many in a front. Until then problem, work and answer stay where
-/// they are, and nobody else writes to them.
+/// most 90 of them in a quote or plan, where things stand in the way 300, and 9 times as many in a front. Until then
+/// problem, work and answer stay where they are, and nobody else writes to them.
 void ssv_quote_begin(const ssv_problem_t* problem, ssv_work_t* work, ssv_quote_t* quote);
 bool ssv_quote_step(ssv_work_t* work, ssv_quote_t* quote);
 void ssv_front_begin(const ssv_problem_t* problem, ssv_work_t* work, ssv_front_t* front);
