@@ -141,8 +141,10 @@ void flight_control(flight_t* flight, const lcm_ssv_control_t* control) {
 // beam where it was to.
 static bool plan_anew(flight_t* flight) {
     ssv_executive_t* executive = &flight->executive;
-    if (executive->outcome != SSV_EXECUTIVE_STRAYED || executive->guidance.mated || flight->num_plans >= PLANS_MAX ||
-        flight->simulator_gone)
+    // A vehicle that nobody holds yet may have drifted off while the timeline was on its way.
+    const bool has_drifted = executive->outcome == SSV_EXECUTIVE_REFUSED && executive->reason == SSV_LINK_START_POSE;
+    if ((executive->outcome != SSV_EXECUTIVE_STRAYED && !has_drifted) || executive->guidance.mated ||
+        flight->num_plans >= PLANS_MAX || flight->simulator_gone)
         return false;
     ssv_scenario_t scenario = flight->problem.scenario;
     ssv_fault_t fault;
@@ -158,7 +160,7 @@ static bool plan_anew(flight_t* flight) {
         ssv_problem_init(&flight->problem, &scenario, &fault) != SSV_OK ||
         ssv_plan(&flight->problem, &flight->work, &flight->plan) != SSV_OK)
         return false;
-    log_line(LOG_WARN, "task %016" PRIx64 ": strayed from its plan, flies plan %016" PRIx64 " from where it is",
+    log_line(LOG_WARN, "task %016" PRIx64 ": off its plan, flies plan %016" PRIx64 " from where it is",
              (uint64_t)flight->answer.asker.request_id, flight->plan.plan_hash);
     return begin(flight);
 }

@@ -7,7 +7,8 @@
 #define SEEK_US INT64_C(5000000)
 #define SILENCE_US INT64_C(2000000)
 /// [us] An upload of which nothing more is acknowledged for so long has failed: a vehicle may be heard and not hear us.
-#define UPLOAD_US INT64_C(15000000)
+/// With every fifth frame lost whole uploads take 25 s at most.
+#define UPLOAD_US INT64_C(40000000)
 /// [us] A stop is over by then: the vehicle's brake takes 30 s at most.
 #define STOP_US INT64_C(40000000)
 /// [us] A flight takes twice the plan's time at most, and so much more.
@@ -208,6 +209,7 @@ static void take_refusal(ssv_executive_t* executive, int64_t now_us, ssv_link_co
 static void take_answer(ssv_executive_t* executive, int64_t now_us, const ssv_link_planner_event_t* event) {
     const ssv_link_command_t what = event->of.answer.command;
     executive->commanded = false;
+    if (!is_under_way(executive)) return; // a command that was repeated since its answer was lost
     if (event->of.answer.result != SSV_LINK_ACCEPTED) {
         take_refusal(executive, now_us, what, event->of.answer.result, event->of.answer.reason);
     } else if (what == SSV_LINK_COMMIT && executive->state == SSV_EXECUTIVE_COMMITTING) {

@@ -153,7 +153,10 @@ class Nominal(InFolder):
         self.assertNotIn("\r", done.stderr)
 
     def test_on_a_terminal_one_line_is_rewritten(self):
-        ours, theirs = pty.openpty()
+        try:
+            ours, theirs = pty.openpty()
+        except OSError as error:
+            self.skipTest(f"no pseudo-terminals here: {error}")
         flight = subprocess.Popen([BIN / "ssv", "fly", ON_AXIS, "--sim", "--rate", "200"], stdout=subprocess.DEVNULL,
                                   stderr=theirs, env=self.environment)
         os.close(theirs)

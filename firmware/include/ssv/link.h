@@ -500,7 +500,7 @@ size_t ssv_link_planner_uploaded(const ssv_link_planner_t* link);
 bool ssv_link_planner_command(ssv_link_planner_t* link, int64_t now_us, ssv_link_command_t command, int32_t value,
                               uint64_t plan_hash);
 
-/// What the next beats say; they go out five times a second once the session is not 0.
+/// What the next beats say; they go out ten times a second once the session is not 0.
 void ssv_link_planner_beat(ssv_link_planner_t* link, uint32_t session, uint32_t progress);
 
 /// Sends trims at the next poll; newer ones take the place of those not yet sent.
