@@ -7,7 +7,8 @@
 enum { TYPE_ONBOARD_CONTROLLER = 18, AUTOPILOT_INVALID = 8, STATE_ACTIVE = 4, MODE_ARMED = 128 };
 
 #define HEARTBEAT_INTERVAL_US INT64_C(1000000)
-/// [us] Of ten beats in a row, as many as the dead-man waits for, a line that loses every fifth frame loses all once in ten days.
+/// [us] Of ten beats in a row, as many as the dead-man waits for, a line that loses every fifth frame loses all once in
+/// ten days.
 #define BEAT_INTERVAL_US INT64_C(100000)
 /// [us] How long to wait for the answer to a command before it is given again, and how often: 10 s in all.
 #define COMMAND_PATIENCE_US INT64_C(400000)
