@@ -376,7 +376,7 @@ void ssv_executive_step(ssv_executive_t* executive, int64_t now_us) {
     int64_t span_us = SSV_EXECUTIVE_STEP_US;
     if (now_us - executive->due_us > span_us) span_us = now_us - executive->due_us;
     if (span_us > STEP_MAX_US) span_us = STEP_MAX_US;
-    if (executive->state > SSV_EXECUTIVE_SEEKING)
+    if (executive->state > SSV_EXECUTIVE_UPLOADING) // which has the line for itself
         ssv_link_planner_beat(&executive->link, executive->session, ++executive->progress);
     if (executive->state > SSV_EXECUTIVE_SEEKING && now_us - executive->heard_us > SILENCE_US)
         finish(executive, SSV_EXECUTIVE_SILENT, SSV_LINK_NO_REASON);
