@@ -397,6 +397,7 @@ static int fly(flight_t* flight, const report_plan_t* predicted, lcm_ssv_scenari
     const bool is_same = simulation != NULL || options->scalar == NULL || strcmp(options->scalar, REAL_NAME) == 0;
     const ask_flight_t how = {planner_id, is_same ? predicted->plan->plan_hash : 0, flight->signal_fd, turn, flight};
     char error[1024], reason[400] = "";
+    int code = EXIT_NO_ANSWER;
     lcm_ssv_plan_t plan;
     lcm_ssv_execution_t news;
     const double start_s = line_now_s();
@@ -408,9 +409,9 @@ static int fly(flight_t* flight, const report_plan_t* predicted, lcm_ssv_scenari
         last_line(is_simulator ? &simulation->simulator : &simulation->planner, reason, sizeof reason);
         snprintf(error, sizeof error, "%s has ended during the flight: %s", is_simulator ? "ssv-sim" : "ssv-plannerd",
                  reason);
+        if (is_simulator) code = EXIT_ABORTED; // as where its silence is noticed first
     }
     json_t* const truth = simulation == NULL ? NULL : end(simulation, !flown);
-    int code = EXIT_NO_ANSWER;
     if (!flown) {
         fprintf(stderr, "ssv: %s\n", error);
         if (flight->num_signals > 0) code = EXIT_ABORTED;
