@@ -2,12 +2,12 @@
 #ifndef SSV_CHANNELS_H
 #define SSV_CHANNELS_H
 
-#define CHANNEL_SCENARIO "SSV_SCENARIO"     ///< scenario_t, to the planner
+#define CHANNEL_SCENARIO "SSV_SCENARIO"     ///< task_t, to the planner
 #define CHANNEL_PLAN "SSV_PLAN"             ///< plan_t, its answer
 #define CHANNEL_BATCH "SSV_SCENARIO_BATCH"  ///< scenario_batch_t, to the planner
 #define CHANNEL_QUOTES "SSV_QUOTE_BATCH"    ///< quote_batch_t, its answer
 #define CHANNEL_STATUS "SSV_PLANNER_STATUS" ///< planner_status_t, once a second
-#define CHANNEL_EXECUTE "SSV_EXECUTE"       ///< scenario_t, to the planner: plan it, answer on SSV_PLAN, and fly it
+#define CHANNEL_EXECUTE "SSV_EXECUTE"       ///< task_t, to the planner: plan it, answer on SSV_PLAN, and fly it
 #define CHANNEL_CONTROL "SSV_CONTROL"       ///< control_t, to the planner: stop, pause or go on with a flight
 #define CHANNEL_EXECUTION "SSV_EXECUTION"   ///< execution_t, how a flight gets on
 #define CHANNEL_STATE "SSV_VEHICLE_STATE"   ///< vehicle_state_t, as estimated

@@ -31,9 +31,32 @@ static quat_t quat_from_wire(const double q[4]) {
 #define FROM_ADDED(value) real_from_double(value)
 #define FROM_FIELD(kind, core, wire, min, max, unit, text) scenario->core = FROM_##kind(message->wire);
 
-void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* message) {
-    memset(scenario, 0, sizeof *scenario); // of what the wire does not carry
+void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* message, const ssv_scene_t* scene) {
+    memset(scenario, 0, sizeof *scenario);
     SSV_FIELDS(FROM_FIELD)
+    scenario->scene = scene;
+    scenario->obstacles = (uint64_t)message->obstacles;
+    scenario->left = (uint64_t)message->left;
+}
+
+// Of what stands by itself.
+#define FROM_KEPT_FIELD(kind, core, wire, min, max, unit, text) core = FROM_##kind(wire);
+
+void ssv_scene_from_wire(ssv_scene_t* to, const lcm_ssv_scene_t* message) {
+    const lcm_ssv_scene_t scene = *message; // by the name that it has in the table
+    memset(to, 0, sizeof *to);
+    to->num_obstacles = scene.num_obstacles;
+    for (int i = 0; i < SSV_MAX_OBSTACLES; i++) {
+        ssv_obstacle_t obstacle;
+        SSV_OBSTACLE_FIELDS(FROM_KEPT_FIELD)
+        SSV_CAPSULE_FIELDS(FROM_KEPT_FIELD)
+        SSV_AXIS_FIELDS(FROM_KEPT_FIELD)
+        to->obstacle[i] = obstacle;
+    }
+    ssv_tank_t tank = {.kind = (ssv_tank_kind_t)scene.tank.kind};
+    SSV_TANK_FIELDS(FROM_KEPT_FIELD)
+    SSV_CYLINDER_FIELDS(FROM_KEPT_FIELD)
+    to->tank = tank;
 }
 
 static void vec3_to_wire(double wire[3], vec3_t v) {
@@ -52,15 +75,20 @@ static lcm_ssv_pose_t pose_to_wire(pose_t pose) {
     return wire;
 }
 
-static lcm_ssv_candidate_t candidate_to_wire(const ssv_candidate_t* candidate) {
-    const char* reason = candidate->outcome == SSV_FEASIBLE ? "" : ssv_outcome_str(candidate->outcome);
-    const lcm_ssv_candidate_t wire = {.contact = (int8_t)candidate->contact,
-                                      .attach_height_m = real_to_double(candidate->attach_height_m),
-                                      .ring_angle_rad = real_to_double(candidate->ring_angle_rad),
-                                      .reason = (char*)reason, // encoders only read it
-                                      .time_s = real_to_double(candidate->time_s),
-                                      .impulse_Ns = real_to_double(candidate->impulse_Ns),
-                                      .cost = real_to_double(candidate->cost)};
+/// A candidate, with its reason in words of SSV_CANDIDATE_REASON_SIZE.
+static lcm_ssv_candidate_t candidate_to_wire(const ssv_candidate_t* candidate, const char* reason) {
+    const bool names_obstacle = candidate->outcome >= SSV_NO_WAY;
+    const lcm_ssv_candidate_t wire = {
+        .contact = (int8_t)candidate->contact,
+        .attach_height_m = real_to_double(candidate->attach_height_m),
+        .ring_angle_rad = real_to_double(candidate->ring_angle_rad),
+        .reason = (char*)reason, // encoders only read it
+        .time_s = real_to_double(candidate->time_s),
+        .impulse_Ns = real_to_double(candidate->impulse_Ns),
+        .cost = real_to_double(candidate->cost),
+        .body = names_obstacle ? (int8_t)candidate->body : 0,
+        .obstacle = names_obstacle ? (int8_t)candidate->obstacle : LCM_SSV_CLEARANCE_T_OBSTACLE_NONE,
+        .clearance_m = names_obstacle ? real_to_double(candidate->clearance_m) : 0};
     return wire;
 }
 
@@ -103,6 +131,16 @@ static lcm_ssv_segment_t segment_to_wire(const ssv_segment_t* segment) {
     return wire;
 }
 
+static lcm_ssv_clearance_t clearance_to_wire(const ssv_clearance_t* clearance) {
+    const lcm_ssv_clearance_t wire = {.certified_m = real_to_double(clearance->certified_m),
+                                      .seen_m = real_to_double(clearance->seen_m),
+                                      .leg = (int8_t)clearance->leg,
+                                      .s = real_to_double(clearance->s),
+                                      .body = (int8_t)clearance->body,
+                                      .obstacle = (int8_t)clearance->obstacle};
+    return wire;
+}
+
 /// Appends to a reason of SSV_REASON_SIZE; what does not fit is cut.
 __attribute__((format(printf, 2, 3))) static void reason_add(char* reason, const char* format, ...) {
     const size_t used = strlen(reason);
@@ -138,10 +176,14 @@ static void reason_add_fault(char* reason, const ssv_fault_t* fault) {
             // printf would show the sign of a NaN, which means nothing.
             reason_add(reason, ": %s is not a finite number", isnan(value) ? "nan" : value < 0 ? "-inf" : "inf");
             break;
-        case SSV_E_RANGE: reason_add(reason, ": %.9g is outside its range [%.9g, %.9g]", value, min, max); break;
-        case SSV_E_NOT_UNIT:
-            reason_add(reason, ": length %.9g is not 1 within %.3g", value, real_to_double(SSV_UNIT_TOLERANCE));
+        case SSV_E_RANGE:
+            if (strcmp(fault->field, "obstacles") == 0) {
+                reason_add(reason, ": bit %.0f is set, but the scene has %.0f obstacles", value, max + 1);
+                break;
+            }
+            reason_add(reason, ": %.9g is outside its range [%.9g, %.9g]", value, min, max);
             break;
+        case SSV_E_NOT_UNIT: reason_add(reason, ": length %.9g is not 1 within %.1g", value, max - 1); break;
         case SSV_E_SINGULAR: reason_add(reason, ": placed so that they cannot hold every force and moment"); break;
         case SSV_E_WEIGHTS:
             reason_add(reason, " and weight_impulse_per_Ns: both are zero, one must be positive");
@@ -152,12 +194,79 @@ static void reason_add_fault(char* reason, const ssv_fault_t* fault) {
     }
 }
 
+/// "18 mm" for a distance that is not negative.
+static void length_to_words(double length_m, char words[16]) {
+    const double mm = 1e3 * length_m;
+    if (mm < 9.95) {
+        snprintf(words, 16, "%.1f mm", mm);
+    } else if (mm < 999.5) {
+        snprintf(words, 16, "%.0f mm", mm);
+    } else {
+        snprintf(words, 16, "%.3g m", length_m);
+    }
+}
+
+/// A sentence of SSV_CANDIDATE_REASON_SIZE; what does not fit is cut.
+__attribute__((format(printf, 2, 3))) static void words_set(char* words, const char* format, ...) {
+    va_list args;
+    va_start(args, format);
+    vsnprintf(words, SSV_CANDIDATE_REASON_SIZE, format, args);
+    va_end(args);
+}
+
+/// What comes how near to what.
+static void nearness_to_words(const ssv_candidate_t* candidate, double margin_m, const char* before, const char* verb,
+                              char* words) {
+    const double clearance_m = real_to_double(candidate->clearance_m);
+    const char* const body = candidate->body == SSV_BODY_BEAM ? "beam" : "vehicle";
+    const bool is_tank = candidate->obstacle == SSV_OBSTACLE_TANK, is_on_its_way = candidate->outcome == SSV_NO_WAY;
+    char what[24], apart[16], lack[16];
+    snprintf(what, sizeof what, "obstacle %d", candidate->obstacle);
+    if (is_tank) snprintf(what, sizeof what, "the tank's wall");
+    if (candidate->obstacle == SSV_OBSTACLE_BEAM) snprintf(what, sizeof what, "its beam");
+    length_to_words(fabs(clearance_m), apart);
+    length_to_words(fmax(margin_m - clearance_m, 1e-4), lack); // what the search keeps beyond the margin counts, too
+    if (clearance_m < 0) {
+        words_set(words, "%sthe %s %s %s %s %s", before, body, verb, apart, is_tank ? "beyond" : "inside", what);
+    } else {
+        words_set(words, "%sthe %s %s%s %s %s %s, %s too near", before, body, verb, is_on_its_way ? " within" : "",
+                  apart, is_on_its_way ? "of" : "from", what, lack);
+    }
+}
+
+/// Why a candidate is none, in words; empty for a feasible one.
+static void outcome_to_words(const ssv_candidate_t* candidate, double margin_m, char* words) {
+    switch (candidate->outcome) {
+        case SSV_FEASIBLE: words[0] = '\0'; break;
+        case SSV_NO_WAY: nearness_to_words(candidate, margin_m, "no way: ", "comes", words); break;
+        case SSV_START_BLOCKED: nearness_to_words(candidate, margin_m, "", "starts", words); break;
+        case SSV_MATE_BLOCKED: nearness_to_words(candidate, margin_m, "no room to mate: ", "is", words); break;
+        case SSV_GOAL_BLOCKED: nearness_to_words(candidate, margin_m, "no room to dock: ", "is", words); break;
+        default: words_set(words, "%s", ssv_outcome_str(candidate->outcome)); break;
+    }
+}
+
+/// Every candidate's own reason, as many as fit; once if it is the same for all.
 static void reason_add_candidates(char* reason, const lcm_ssv_quote_t* quote) {
+    bool is_same = quote->num_candidates > 1 && quote->candidates[0].obstacle != LCM_SSV_CLEARANCE_T_OBSTACLE_NONE;
+    for (int i = 1; i < quote->num_candidates && is_same; i++) {
+        is_same = strcmp(quote->candidates[i].reason, quote->candidates[0].reason) == 0;
+    }
     reason_add(reason, "no feasible candidate");
+    if (is_same) {
+        reason_add(reason, "; each: %s", quote->candidates[0].reason);
+        return;
+    }
     for (int i = 0; i < quote->num_candidates; i++) {
         const lcm_ssv_candidate_t* candidate = &quote->candidates[i];
-        reason_add(reason, "; contact %d, height %.9g m: %s", candidate->contact, candidate->attach_height_m,
-                   candidate->reason);
+        char one[64 + SSV_CANDIDATE_REASON_SIZE];
+        const int length = snprintf(one, sizeof one, "; contact %d, height %.9g m: %s", candidate->contact,
+                                    candidate->attach_height_m, candidate->reason);
+        if (strlen(reason) + (size_t)length + sizeof "; and 16 more" > SSV_REASON_SIZE) {
+            reason_add(reason, "; and %d more", quote->num_candidates - i);
+            return;
+        }
+        reason_add(reason, "%s", one);
     }
 }
 
@@ -181,15 +290,15 @@ static void quote_begin(ssv_quote_parts_t* parts, lcm_ssv_quote_t* wire) {
 }
 
 /// The way from outside to a checked problem. @return SSV_OK, or what is wrong, which the reason then tells.
-static ssv_status_t check(const lcm_ssv_scenario_t* question, int64_t epoch_us, char* reason, ssv_problem_t* problem) {
+static ssv_status_t check(const lcm_ssv_scenario_t* question, int64_t epoch_us, char* reason, ssv_working_t* working) {
     if (epoch_us < 0) {
         reason_add(reason, "asker.epoch_us: %lld is negative, it must be 0 or later", (long long)epoch_us);
         return SSV_E_RANGE;
     }
     ssv_scenario_t scenario;
     ssv_fault_t fault;
-    ssv_scenario_from_wire(&scenario, question);
-    const ssv_status_t checked = ssv_problem_init(problem, &scenario, &fault);
+    ssv_scenario_from_wire(&scenario, question, &working->scene);
+    const ssv_status_t checked = ssv_problem_init(&working->problem, &scenario, &fault);
     if (checked != SSV_OK) {
         reason_add_fault(reason, &fault);
     }
@@ -199,16 +308,17 @@ static ssv_status_t check(const lcm_ssv_scenario_t* question, int64_t epoch_us, 
 static void front_to_wire(const ssv_front_t* front, lcm_ssv_quote_t* wire) {
     wire->num_front = front->num_points;
     for (int i = 0; i < front->num_points; i++) {
-        wire->front[i] = candidate_to_wire(&front->point[i]);
+        wire->front[i] = candidate_to_wire(&front->point[i], "");
     }
 }
 
 /// The core's quote in words of the wire.
-static void quote_to_wire(const ssv_quote_t* quote, lcm_ssv_quote_t* wire) {
+static void quote_to_wire(const ssv_quote_t* quote, double margin_m, ssv_quote_parts_t* parts, lcm_ssv_quote_t* wire) {
     wire->scenario_hash = (int64_t)quote->scenario_hash;
     wire->num_candidates = quote->num_candidates;
     for (int i = 0; i < quote->num_candidates; i++) {
-        wire->candidates[i] = candidate_to_wire(&quote->candidate[i]);
+        outcome_to_words(&quote->candidate[i], margin_m, parts->candidate_reason[i]);
+        wire->candidates[i] = candidate_to_wire(&quote->candidate[i], parts->candidate_reason[i]);
     }
     wire->status = status_to_wire(quote->status);
     if (quote->status == SSV_INFEASIBLE) {
@@ -251,6 +361,7 @@ static void motion_to_wire(const ssv_plan_t* plan, lcm_ssv_plan_t* wire) {
         wire->events[i].kind = (int8_t)plan->event[i].kind;
     }
     wire->X_SB = pose_to_wire(plan->X_SB);
+    wire->clearance = clearance_to_wire(&plan->clearance);
 }
 
 // ---- One scenario, in slices ----------------------------------------------------------------------------------------
@@ -264,10 +375,10 @@ static void work_begin(ssv_working_t* working) {
 
 /// What comes after a step of the plan or of the quote.
 static void work_priced(const lcm_ssv_scenario_t* scenario, const ssv_quote_t* quote, ssv_working_t* working,
-                        lcm_ssv_quote_t* wire) {
+                        ssv_quote_parts_t* parts, lcm_ssv_quote_t* wire) {
     working->status = quote->status;
     working->stage = IS_ANSWERED;
-    quote_to_wire(quote, wire);
+    quote_to_wire(quote, real_to_double(working->problem.scenario.margin_m), parts, wire);
     if (quote->status == SSV_OK && scenario->options.want_front != 0) {
         ssv_front_begin(&working->problem, &working->work, &working->front);
         working->stage = CLIMBS_FRONT;
@@ -278,7 +389,7 @@ static void work_priced(const lcm_ssv_scenario_t* scenario, const ssv_quote_t* q
 static bool work_around(const lcm_ssv_scenario_t* scenario, int64_t epoch_us, ssv_working_t* working,
                         lcm_ssv_quote_t* wire) {
     if (working->stage == CHECKS) {
-        working->status = check(scenario, epoch_us, wire->reason, &working->problem);
+        working->status = check(scenario, epoch_us, wire->reason, working);
         working->stage = working->status == SSV_OK ? ANSWERS : IS_ANSWERED;
         working->begun = false;
     } else if (working->stage == CLIMBS_FRONT) {
@@ -301,27 +412,31 @@ lcm_ssv_planner_t ssv_planner_identity(int64_t planner_id) {
     return (lcm_ssv_planner_t){.planner_id = planner_id, .version = (char*)SSV_VERSION, .scalar = scalar};
 }
 
-void ssv_answer_begin(const lcm_ssv_scenario_t* question, const lcm_ssv_planner_t* planner, ssv_answer_t* answer) {
+void ssv_answer_begin(const lcm_ssv_task_t* question, const lcm_ssv_planner_t* planner, ssv_answer_t* answer) {
     memset(&answer->wire, 0, sizeof answer->wire);
-    answer->wire.answer = (lcm_ssv_answer_t){
-        .asker = question->asker, .question_hash = (int64_t)ssv_scenario_question_hash(question), .planner = *planner};
+    answer->wire.answer = (lcm_ssv_answer_t){.asker = question->scenario.asker,
+                                             .question_hash = (int64_t)ssv_task_question_hash(question),
+                                             .planner = *planner};
+    answer->wire.clearance.obstacle = LCM_SSV_CLEARANCE_T_OBSTACLE_NONE;
     quote_begin(&answer->parts, &answer->wire.quote);
     answer->wire.legs = answer->legs;
     answer->wire.arcs = answer->arcs;
     answer->wire.segments = answer->segments;
     answer->wire.events = answer->events;
+    ssv_scene_from_wire(&answer->working.scene, &question->scene);
     work_begin(&answer->working);
 }
 
-bool ssv_answer_step(const lcm_ssv_scenario_t* question, ssv_answer_t* answer) {
+bool ssv_answer_step(const lcm_ssv_task_t* question, ssv_answer_t* answer) {
+    const lcm_ssv_scenario_t* scenario = &question->scenario;
     ssv_working_t* working = &answer->working;
     lcm_ssv_quote_t* quote = &answer->wire.quote;
-    if (!work_around(question, question->asker.epoch_us, working, quote)) {
+    if (!work_around(scenario, scenario->asker.epoch_us, working, quote)) {
         if (!working->begun) {
             ssv_plan_begin(&working->problem, &working->work, &answer->plan);
             working->begun = true;
         } else if (ssv_plan_step(&working->work, &answer->plan)) {
-            work_priced(question, &answer->plan.quote, working, quote);
+            work_priced(scenario, &answer->plan.quote, working, &answer->parts, quote);
             if (working->status == SSV_OK) motion_to_wire(&answer->plan, &answer->wire);
         }
     }
@@ -333,7 +448,7 @@ void ssv_answer_refuse(const char* reason, ssv_answer_t* answer) {
     answer->working.stage = IS_ANSWERED;
 }
 
-ssv_status_t ssv_answer(const lcm_ssv_scenario_t* question, const lcm_ssv_planner_t* planner, ssv_answer_t* answer) {
+ssv_status_t ssv_answer(const lcm_ssv_task_t* question, const lcm_ssv_planner_t* planner, ssv_answer_t* answer) {
     ssv_answer_begin(question, planner, answer);
     while (!ssv_answer_step(question, answer)) {}
     return answer->working.status;
@@ -347,6 +462,7 @@ void ssv_answer_batch_begin(const lcm_ssv_scenario_batch_t* question, uint64_t q
     answer->wire.answer =
         (lcm_ssv_answer_t){.asker = question->asker, .question_hash = (int64_t)question_hash, .planner = *planner};
     answer->wire.quotes = answer->quotes;
+    ssv_scene_from_wire(&answer->working.scene, &question->scene);
     work_begin(&answer->working);
 }
 
@@ -367,7 +483,7 @@ bool ssv_answer_batch_step(const lcm_ssv_scenario_batch_t* question, ssv_batch_a
             ssv_quote_begin(&working->problem, &working->work, &answer->quote);
             working->begun = true;
         } else if (ssv_quote_step(&working->work, &answer->quote)) {
-            work_priced(scenario, &answer->quote, working, &answer->quotes[i]);
+            work_priced(scenario, &answer->quote, working, &answer->parts[i], &answer->quotes[i]);
         }
     }
     answer->scenario_done = working->stage == IS_ANSWERED;
@@ -393,8 +509,9 @@ bool ssv_scenario_batch_decode(const void* data, size_t size, lcm_ssv_scenario_t
     // encoded_size counts a type hash, which a part of a message does not have.
     const size_t hash_size = 8;
     const size_t asker_size = (size_t)lcm_ssv_asker_t_encoded_size(&(lcm_ssv_asker_t){0}) - hash_size;
+    const size_t scene_size = (size_t)lcm_ssv_scene_t_encoded_size(&(lcm_ssv_scene_t){0}) - hash_size;
     const size_t scenario_size = (size_t)lcm_ssv_scenario_t_encoded_size(&(lcm_ssv_scenario_t){0}) - hash_size;
-    const size_t count_at = hash_size + asker_size, head_size = count_at + 4;
+    const size_t count_at = hash_size + asker_size, scene_at = count_at + 4, head_size = scene_at + scene_size;
     int64_t type_hash = 0;
     int32_t count = 0;
     if (size < head_size || __int64_t_decode_array(data, 0, (int)hash_size, &type_hash, 1) < 0 ||
@@ -405,6 +522,7 @@ bool ssv_scenario_batch_decode(const void* data, size_t size, lcm_ssv_scenario_t
     }
     *batch = (lcm_ssv_scenario_batch_t){.num_scenarios = count, .scenarios = scenarios};
     __lcm_ssv_asker_t_decode_array(data, (int)hash_size, (int)asker_size, &batch->asker, 1);
+    __lcm_ssv_scene_t_decode_array(data, (int)scene_at, (int)scene_size, &batch->scene, 1);
     __lcm_ssv_scenario_t_decode_array(data, (int)head_size, (int)(size - head_size), scenarios, count);
     return true;
 }
@@ -434,6 +552,7 @@ static ssv_leg_t leg_from_wire(const lcm_ssv_leg_t* wire) {
 
 void ssv_plan_from_wire(ssv_plan_t* plan, const lcm_ssv_plan_t* wire) {
     memset(plan, 0, sizeof *plan);
+    plan->quote.choice.contact = wire->quote.choice.contact;
     plan->quote.time_s = real_from_double(wire->quote.time_s);
     plan->quote.X_IS_final = pose_from_wire(&wire->quote.X_IS_final);
     plan->quote.X_IB_final = pose_from_wire(&wire->quote.X_IB_final);

@@ -6,12 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ssv/answer.h"
+
 #define PI 3.14159265358979323846
 #define NUM_THRUSTERS 6
 /// Type hash and asker_t, which are no part of what is asked.
 #define ASKER_END (8 + 4 * 8)
-/// Longest encoded scenario.
-#define SCENARIO_BYTES_MAX 1024
+/// Longest encoded task.
+#define TASK_BYTES_MAX 8192
 
 // ---- The hash of a question
 // ---------------------------------------------------------------------------------------------
@@ -24,9 +26,9 @@ uint64_t ssv_question_hash(const void* message, size_t size) {
     return hash;
 }
 
-uint64_t ssv_scenario_question_hash(const lcm_ssv_scenario_t* question) {
-    uint8_t message[SCENARIO_BYTES_MAX];
-    const int size = lcm_ssv_scenario_t_encode(message, 0, sizeof message, question);
+uint64_t ssv_task_question_hash(const lcm_ssv_task_t* question) {
+    uint8_t message[TASK_BYTES_MAX];
+    const int size = lcm_ssv_task_t_encode(message, 0, sizeof message, question);
     return size > 0 ? ssv_question_hash(message, (size_t)size) : 0;
 }
 
@@ -190,6 +192,10 @@ static bool check_candidates(const check_t* check, const lcm_ssv_scenario_t* que
         char what[32];
         snprintf(what, sizeof what, "%s[%d]", list, i);
         const bool feasible = candidate->reason == NULL || candidate->reason[0] == '\0';
+        const bool has_place = candidate->obstacle >= LCM_SSV_CLEARANCE_T_OBSTACLE_NONE &&
+                               candidate->obstacle <= LCM_SSV_CLEARANCE_T_OBSTACLE_TANK &&
+                               isfinite(candidate->clearance_m);
+        if (!has_place) return fail(check, "%s: obstacle %d is none", what, candidate->obstacle);
         if (!feasible && (candidate->contact == 1 || candidate->contact == 2)) continue;
         if (!check_place(check, question, what, candidate->contact, candidate->attach_height_m,
                          candidate->ring_angle_rad) ||
@@ -438,13 +444,129 @@ static bool check_events(const check_t* check, const lcm_ssv_plan_t* plan, doubl
            check_sum(check, "events[1].t_s", plan->events[1].t_s, plan->quote.time_s);
 }
 
-bool ssv_check_plan(const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* plan,
-                    char reason[SSV_CHECK_REASON_SIZE]) {
+// ---- What it keeps clear of
+// -----------------------------------------------------------------------------------------
+
+// How far the two ends of a clearance may be apart.
+#define BRACKET_M 0.005
+
+static bool is_some_obstacle(const lcm_ssv_task_t* task, int obstacle) {
+    if (obstacle == LCM_SSV_CLEARANCE_T_OBSTACLE_TANK) return task->scene.tank.kind != LCM_SSV_TANK_T_KIND_NONE;
+    return obstacle == LCM_SSV_CLEARANCE_T_OBSTACLE_BEAM ||
+           (obstacle >= 0 && obstacle < SSV_MAX_OBSTACLES && ((uint64_t)task->scenario.obstacles >> obstacle & 1) != 0);
+}
+
+// The clearance of the motion as it was received.
+static bool measure_clearance(const check_t* check, const lcm_ssv_task_t* task, const lcm_ssv_plan_t* plan,
+                              ssv_clearance_t* clearance) {
+    ssv_scene_t scene;
+    ssv_scenario_t scenario;
+    ssv_problem_t problem;
+    ssv_plan_t motion;
+    ssv_fault_t fault;
+    ssv_scene_from_wire(&scene, &task->scene);
+    ssv_scenario_from_wire(&scenario, &task->scenario, &scene);
+    if (ssv_problem_init(&problem, &scenario, &fault) != SSV_OK) return fail(check, "status: a plan for no question");
+    ssv_plan_from_wire(&motion, plan);
+    ssv_plan_clearance(&problem, &motion, &scene, scenario.obstacles, clearance);
+    return true;
+}
+
+// How far positions of this plan may be off, by the rounding of its arithmetic and of ours.
+static double slack_of(const check_t* check, const lcm_ssv_plan_t* plan) {
+    double size_m = 10;
+    for (int i = 0; i < plan->num_legs; i++) {
+        for (int k = 0; k < 3; k++) size_m = fmax(size_m, 10 + fabs(plan->legs[i].X_IS_end.p_m[k]));
+    }
+    return 1e-4 + 10 * check->relative * size_m;
+}
+
+static bool check_clearance(const check_t* check, const lcm_ssv_task_t* task, const lcm_ssv_plan_t* plan) {
+    const lcm_ssv_clearance_t* is = &plan->clearance;
+    const double slack_m = slack_of(check, plan);
+    ssv_clearance_t own;
+    if (!measure_clearance(check, task, plan, &own)) return false;
+    if ((is->obstacle == LCM_SSV_CLEARANCE_T_OBSTACLE_NONE) != (own.obstacle == SSV_OBSTACLE_NONE)) {
+        return fail(check, "clearance.obstacle: %d, but there is %s to keep clear of", is->obstacle,
+                    own.obstacle == SSV_OBSTACLE_NONE ? "nothing" : "something");
+    }
+    if (is->obstacle == LCM_SSV_CLEARANCE_T_OBSTACLE_NONE) return true;
+    if (!is_some_obstacle(task, is->obstacle)) {
+        return fail(check, "clearance.obstacle: %d was not to be kept clear of", is->obstacle);
+    }
+    if (is->body != LCM_SSV_CLEARANCE_T_BODY_VEHICLE && is->body != LCM_SSV_CLEARANCE_T_BODY_BEAM) {
+        return fail(check, "clearance.body: %d is none", is->body);
+    }
+    if (is->leg < 0 || is->leg >= plan->num_legs) return fail(check, "clearance.leg: %d is none", is->leg);
+    if (!(is->s >= 0 && is->s <= plan->legs[is->leg].length * (1 + check->relative) + check->absolute)) {
+        return fail(check, "clearance.s: %.9g is not on leg %d", is->s, is->leg);
+    }
+    if (!(is->certified_m <= is->seen_m && is->seen_m - is->certified_m <= BRACKET_M + slack_m)) {
+        return fail(check, "clearance: %.9g m certified, %.9g m seen", is->certified_m, is->seen_m);
+    }
+    const double least_m = real_to_double(own.certified_m), most_m = real_to_double(own.seen_m);
+    if (!(is->certified_m <= most_m + slack_m && is->seen_m >= least_m - slack_m)) {
+        return fail(check, "clearance: %.9g to %.9g m, but the motion keeps %.9g to %.9g m", is->certified_m,
+                    is->seen_m, least_m, most_m);
+    }
+    if (most_m < task->scenario.margin_m - slack_m) {
+        return fail(check, "clearance: %.9g m, but %.9g m were asked for", most_m, task->scenario.margin_m);
+    }
+    return true;
+}
+
+// Speed of the vehicle, of its turning, and of both ends of the beam, per unit of speed along a leg.
+static double speed_of(const lcm_ssv_leg_t* leg, const double p_S[3]) {
+    double v[3];
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        v[i] = leg->v_S[i] + leg->w_S[j] * p_S[k] - leg->w_S[k] * p_S[j];
+    }
+    return sqrt(dot(v, v));
+}
+
+static bool check_cap(const check_t* check, int leg, const char* cap, double most, double speed) {
+    if (most == 0 || speed <= most * (1 + check->relative) + check->absolute) return true;
+    return fail(check, "legs[%d].peak_speed: %.9g, but %s is %.9g", leg, speed, cap, most);
+}
+
+static bool check_caps(const check_t* check, const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* plan) {
+    const double at_centre[3] = {0, 0, 0};
+    for (int i = 0; i < plan->num_legs; i++) {
+        const lcm_ssv_leg_t* leg = &plan->legs[i];
+        const double speed_m_s = leg->peak_speed * speed_of(leg, at_centre);
+        const double rate_rad_s = leg->peak_speed * sqrt(dot(leg->w_S, leg->w_S));
+        if (leg->phase == LCM_SSV_LEG_T_PHASE_TRANSIT) {
+            if (!check_cap(check, i, "transit_speed_max_m_s", question->transit_speed_max_m_s, speed_m_s) ||
+                !check_cap(check, i, "transit_rate_max_rad_s", question->transit_rate_max_rad_s, rate_rad_s)) {
+                return false;
+            }
+            continue;
+        }
+        double ends_m_s = 0;
+        for (int end = -1; end <= 1; end += 2) {
+            const double p_B[3] = {0, 0, 0.5 * end * question->beam.length_m};
+            double p_S[3];
+            turn(plan->X_SB.q, p_B, p_S);
+            for (int k = 0; k < 3; k++) p_S[k] += plan->X_SB.p_m[k];
+            ends_m_s = fmax(ends_m_s, leg->peak_speed * speed_of(leg, p_S));
+        }
+        if (!check_cap(check, i, "transfer_speed_max_m_s", question->transfer_speed_max_m_s, speed_m_s) ||
+            !check_cap(check, i, "transfer_rate_max_rad_s", question->transfer_rate_max_rad_s, rate_rad_s) ||
+            !check_cap(check, i, "transfer_beam_speed_max_m_s", question->transfer_beam_speed_max_m_s, ends_m_s)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool ssv_check_plan(const lcm_ssv_task_t* task, const lcm_ssv_plan_t* plan, char reason[SSV_CHECK_REASON_SIZE]) {
+    const lcm_ssv_scenario_t* question = &task->scenario;
     check_t check = {.reason = reason};
     lcm_ssv_pose_t X_IB;
     double mate_s;
     reason[0] = '\0';
-    if (!check_head(&check, &question->asker, ssv_scenario_question_hash(question), &plan->answer) ||
+    if (!check_head(&check, &question->asker, ssv_task_question_hash(task), &plan->answer) ||
         !check_quote(&check, question, &plan->quote)) {
         return false;
     }
@@ -458,5 +580,6 @@ bool ssv_check_plan(const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* pl
         return false;
     }
     compose(&plan->quote.X_IS_final, &plan->X_SB, &X_IB);
-    return check_same_pose(&check, "X_IB_final", &plan->quote.X_IB_final, &X_IB);
+    return check_same_pose(&check, "X_IB_final", &plan->quote.X_IB_final, &X_IB) &&
+           check_caps(&check, question, plan) && check_clearance(&check, task, plan);
 }

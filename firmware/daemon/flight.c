@@ -105,7 +105,10 @@ static bool begin(flight_t* flight) {
 
 bool flight_begin(flight_t* flight, const ssv_answer_t* answer) {
     if (!flight->is_open || flight_is_under_way(flight)) return false;
+    // The problem refers to the scene of the answer, whose memory is the next question's soon.
+    flight->scene = answer->working.scene;
     flight->problem = answer->working.problem;
+    flight->problem.scenario.scene = flight->problem.around.scene = &flight->scene;
     flight->plan = answer->plan;
     flight->answer = answer->wire.answer;
     flight->num_plans = flight->sequence = flight->num_endings = 0;

@@ -27,6 +27,7 @@ typedef struct {
     int64_t lock_us; ///< [us] the simulator's time
     bool simulator_gone;
     ssv_executive_t executive;
+    ssv_scene_t scene; ///< that the problem refers to
     ssv_problem_t problem;
     ssv_plan_t plan;
     lcm_ssv_answer_t answer; ///< whose task it is

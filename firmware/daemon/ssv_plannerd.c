@@ -31,7 +31,7 @@
 #define NUM_DESKS 8
 /// Datagrams of each kind that liblcm holds for us until we take them; when that is full it drops the newest.
 #define LCM_QUEUE_SIZE 1024
-#define QUESTION_BYTES_MAX 16384
+#define QUESTION_BYTES_MAX 24576
 #define ANSWER_BYTES_MAX                                                                                               \
     (SSV_QUOTE_BATCH_BYTES_MAX > SSV_PLAN_BYTES_MAX ? SSV_QUOTE_BATCH_BYTES_MAX : SSV_PLAN_BYTES_MAX)
 /// Memory that grows by this much more is worth a line in the log.
@@ -41,9 +41,10 @@
 
 enum { EXIT_LCM = 4, EXIT_LINK = 69 };
 
-/// A question that is worked on, with the memory for its answer. A scenario counts as a batch of one.
+/// A question that is worked on, with the memory for its answer. A task counts as a batch of one.
 typedef struct {
     waiting_t* question; ///< NULL = free
+    lcm_ssv_task_t task;
     lcm_ssv_scenario_batch_t batch;
     lcm_ssv_scenario_t scenarios[SSV_MAX_BATCH];
     union {
@@ -116,10 +117,10 @@ static const char* status_word(int8_t status) {
 
 // ---- Kinds of questions ---------------------------------------------------------------------------------------------
 
-static bool scenario_decode(const void* data, int size, desk_t* desk) {
-    lcm_ssv_scenario_t* scenario = &desk->scenarios[0];
-    if (lcm_ssv_scenario_t_decode(data, 0, size, scenario) != size) return false;
-    desk->batch = (lcm_ssv_scenario_batch_t){scenario->asker, 1, desk->scenarios};
+static bool task_decode(const void* data, int size, desk_t* desk) {
+    if (lcm_ssv_task_t_decode(data, 0, size, &desk->task) != size) return false;
+    desk->batch.asker = desk->task.scenario.asker;
+    desk->batch.num_scenarios = 1;
     return true;
 }
 
@@ -128,8 +129,8 @@ static bool batch_decode(const void* data, int size, desk_t* desk) {
 }
 
 static void plan_begin(plannerd_t* self, desk_t* desk, uint64_t hash) {
-    (void)hash; // that of one scenario is soon had
-    ssv_answer_begin(&desk->scenarios[0], &self->status.planner, &desk->answer.plan);
+    (void)hash; // that of one task is soon had
+    ssv_answer_begin(&desk->task, &self->status.planner, &desk->answer.plan);
 }
 
 static void quotes_begin(plannerd_t* self, desk_t* desk, uint64_t hash) {
@@ -156,13 +157,13 @@ static const char* grounding(const plannerd_t* self, const lcm_ssv_asker_t* aske
 
 static void task_begin(plannerd_t* self, desk_t* desk, uint64_t hash) {
     plan_begin(self, desk, hash);
-    const char* reason = grounding(self, &desk->scenarios[0].asker);
+    const char* reason = grounding(self, &desk->task.scenario.asker);
     if (reason != NULL) plan_refuse(desk, reason);
 }
 
 /// A task that is planned is flown. One that came in between may have been faster.
 static void task_done(plannerd_t* self, desk_t* desk) {
-    const lcm_ssv_asker_t* asker = &desk->scenarios[0].asker;
+    const lcm_ssv_asker_t* asker = &desk->task.scenario.asker;
     const char* reason = grounding(self, asker);
     if (desk->answer.plan.wire.quote.status != LCM_SSV_QUOTE_T_STATUS_OK) return;
     if (reason == NULL && flight_begin(&self->flight, &desk->answer.plan)) {
@@ -175,7 +176,7 @@ static void task_done(plannerd_t* self, desk_t* desk) {
 
 static bool plan_step(plannerd_t* self, desk_t* desk) {
     const int64_t start_us = now_us();
-    const bool done = ssv_answer_step(&desk->scenarios[0], &desk->answer.plan);
+    const bool done = ssv_answer_step(&desk->task, &desk->answer.plan);
     desk->spent_us += now_us() - start_us;
     if (!done) return false;
     const ssv_status_t outcome = desk->answer.plan.working.status;
@@ -252,11 +253,11 @@ static const struct {
     void (*log)(const desk_t* desk);
     void (*done)(plannerd_t* self, desk_t* desk); ///< before the answer goes out; may be NULL
 } kinds[] = {
-    {CHANNEL_SCENARIO, CHANNEL_PLAN, "scenario", scenario_decode, plan_begin, plan_step, plan_refuse, plan_encode,
-     plan_log, NULL},
+    {CHANNEL_SCENARIO, CHANNEL_PLAN, "scenario", task_decode, plan_begin, plan_step, plan_refuse, plan_encode, plan_log,
+     NULL},
     {CHANNEL_BATCH, CHANNEL_QUOTES, "batch", batch_decode, quotes_begin, quotes_step, quotes_refuse, quotes_encode,
      quotes_log, NULL},
-    {CHANNEL_EXECUTE, CHANNEL_PLAN, "task", scenario_decode, task_begin, plan_step, plan_refuse, plan_encode, plan_log,
+    {CHANNEL_EXECUTE, CHANNEL_PLAN, "task", task_decode, task_begin, plan_step, plan_refuse, plan_encode, plan_log,
      task_done},
 };
 
@@ -541,11 +542,11 @@ typedef struct {
 } options_t;
 
 static const char manual[] =
-    "The onboard planner: answers every scenario on LCM channel " CHANNEL_SCENARIO
+    "The onboard planner: answers every task on LCM channel " CHANNEL_SCENARIO
     " with a plan, or the reason why there "
     "is none, on " CHANNEL_PLAN ", every batch of scenarios on " CHANNEL_BATCH " with their prices on " CHANNEL_QUOTES
     ", and gives a sign of life with counters on " CHANNEL_STATUS
-    " once a second. With --link it also flies tasks: a scenario on " CHANNEL_EXECUTE
+    " once a second. With --link it also flies tasks: one on " CHANNEL_EXECUTE
     " that names this planner is planned, answered and flown; " CHANNEL_EXECUTION " and " CHANNEL_STATE
     " tell how that gets on, and " CHANNEL_CONTROL
     " stops it."
@@ -650,7 +651,7 @@ int main(int argc, char** argv) {
     questions_init(&self.questions, self.question_bytes, QUESTION_BYTES_MAX, self.answer_bytes, ANSWER_BYTES_MAX);
     self.started_us = now_us();
     self.next_status_us = self.started_us;
-    self.status.scenario_type_hash = __lcm_ssv_scenario_t_get_hash();
+    self.status.task_type_hash = __lcm_ssv_task_t_get_hash();
     self.status.plan_type_hash = __lcm_ssv_plan_t_get_hash();
     self.status.scenario_batch_type_hash = __lcm_ssv_scenario_batch_t_get_hash();
     self.status.quote_batch_type_hash = __lcm_ssv_quote_batch_t_get_hash();

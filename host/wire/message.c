@@ -14,10 +14,11 @@
 #include "lcm_ssv_planner_status_t.h"
 #include "lcm_ssv_quote_batch_t.h"
 #include "lcm_ssv_scenario_batch_t.h"
+#include "lcm_ssv_task_t.h"
 #include "names.h"
 
 /// Room for one message of any type without what it points to.
-#define MESSAGE_SIZE_MAX 2048
+#define MESSAGE_SIZE_MAX 8192
 #define FIELDS_MAX 48
 
 static const lcm_type_info_t* info_of(const char* type) {
@@ -32,9 +33,11 @@ static const lcm_type_info_t* info_of(const char* type) {
         {"body_t", lcm_ssv_body_t_get_type_info},
         {"candidate_t", lcm_ssv_candidate_t_get_type_info},
         {"choice_t", lcm_ssv_choice_t_get_type_info},
+        {"clearance_t", lcm_ssv_clearance_t_get_type_info},
         {"event_t", lcm_ssv_event_t_get_type_info},
         {"execution_t", lcm_ssv_execution_t_get_type_info},
         {"leg_t", lcm_ssv_leg_t_get_type_info},
+        {"obstacle_t", lcm_ssv_obstacle_t_get_type_info},
         {"options_t", lcm_ssv_options_t_get_type_info},
         {"plan_t", lcm_ssv_plan_t_get_type_info},
         {"planner_status_t", lcm_ssv_planner_status_t_get_type_info},
@@ -45,7 +48,10 @@ static const lcm_type_info_t* info_of(const char* type) {
         {"quote_t", lcm_ssv_quote_t_get_type_info},
         {"scenario_batch_t", lcm_ssv_scenario_batch_t_get_type_info},
         {"scenario_t", lcm_ssv_scenario_t_get_type_info},
+        {"scene_t", lcm_ssv_scene_t_get_type_info},
         {"segment_t", lcm_ssv_segment_t_get_type_info},
+        {"tank_t", lcm_ssv_tank_t_get_type_info},
+        {"task_t", lcm_ssv_task_t_get_type_info},
         {"thruster_t", lcm_ssv_thruster_t_get_type_info},
         {"vehicle_t", lcm_ssv_vehicle_t_get_type_info},
     };
@@ -65,7 +71,7 @@ typedef struct {
     const char* type;
     lcm_field_type_t kind;
     bool is_list, is_variable; ///< variable: the message states how many there are, and points to them
-    int32_t count;
+    int32_t count, most;       ///< most: those that there is room for, where another field says how many of them count
     size_t element_size;
     char* elements;
     void** pointer; ///< of a variable list
@@ -83,6 +89,28 @@ static size_t size_of(lcm_field_type_t kind, const char* type) {
         case LCM_FIELD_USER_TYPE: return (size_t)info_of(type)->struct_size();
         default: assert(!"a kind of field that our messages have"); return 0;
     }
+}
+
+static int64_t read_integer(lcm_field_type_t kind, const void* element) {
+    switch (kind) {
+        case LCM_FIELD_INT8_T: return *(const int8_t*)element;
+        case LCM_FIELD_INT16_T: return *(const int16_t*)element;
+        case LCM_FIELD_INT32_T: return *(const int32_t*)element;
+        default: return *(const int64_t*)element;
+    }
+}
+
+/// The whole number in the field of this name.
+static int64_t number_in(const lcm_type_info_t* info, const void* message, const char* name) {
+    for (int i = 0; i < info->num_fields(); i++) {
+        lcm_field_t field;
+        info->get_field(message, i, &field);
+        if (strcmp(field.name, name) == 0) {
+            return read_integer(field.type, field.data);
+        }
+    }
+    assert(!"a field of this message");
+    return 0;
 }
 
 /// Field number i of a message; its elements are NULL if it is a list that is not there yet.
@@ -103,6 +131,11 @@ static field_t field_at(const char* type, const lcm_type_info_t* info, const voi
         field.pointer = found.data;
         field.elements = *field.pointer;
     }
+    const char* const counter = field.is_list ? names_counter_of(type, found.name) : NULL;
+    field.most = field.count;
+    if (counter != NULL) {
+        field.count = (int32_t)number_in(info, message, counter);
+    }
     return field;
 }
 
@@ -116,20 +149,18 @@ int wire_field_names(const char* type, const char** names, int most) {
     return count;
 }
 
-/// Whether a field has all its 64 bits, hashes and random ids, of which JSON readers with nothing but doubles would
-/// lose eleven.
+/// Whether a field has all its 64 bits, hashes, random ids and choices, of which JSON readers with nothing but doubles
+/// would lose eleven.
 static bool is_hex(const field_t* field) {
     const char* const last = strrchr(field->name, '_');
-    return field->kind == LCM_FIELD_INT64_T && last != NULL && (strcmp(last, "_hash") == 0 || strcmp(last, "_id") == 0);
+    return field->kind == LCM_FIELD_INT64_T &&
+           (names_is_choice(field->of, field->name) ||
+            (last != NULL && (strcmp(last, "_hash") == 0 || strcmp(last, "_id") == 0)));
 }
 
-static int64_t read_integer(lcm_field_type_t kind, const void* element) {
-    switch (kind) {
-        case LCM_FIELD_INT8_T: return *(const int8_t*)element;
-        case LCM_FIELD_INT16_T: return *(const int16_t*)element;
-        case LCM_FIELD_INT32_T: return *(const int32_t*)element;
-        default: return *(const int64_t*)element;
-    }
+/// How many elements of a list may be looked at, whatever its message says.
+static int32_t sound_count(const field_t* field) {
+    return field->count < 0 ? 0 : field->count < field->most ? field->count : field->most;
 }
 
 /// Text that JSON can hold: what is not UTF-8 loses its non-ASCII bytes.
@@ -174,7 +205,7 @@ json_t* wire_to_json(const char* type, const void* message) {
     for (int i = 0; complete && i < info->num_fields(); i++) {
         const field_t field = field_at(type, info, message, i);
         json_t* value = field.is_list ? json_array() : element_json(&field, field.elements);
-        for (int32_t k = 0; field.is_list && complete && k < field.count; k++) {
+        for (int32_t k = 0; field.is_list && complete && k < sound_count(&field); k++) {
             complete = json_array_append_new(
                            value, element_json(&field, field.elements + (size_t)k * field.element_size)) == 0;
         }
@@ -301,11 +332,9 @@ static bool read_list(field_t* field, const tree_t* tree, tree_error_t* error) {
     if (tree->kind != TREE_LIST) {
         return tree_fail(error, tree, "not a list of %d", (int)field->count);
     }
-    if (field->is_variable) {
-        const int32_t most = names_most_elements(field->of, field->name);
-        if (field->count < 0 || field->count > most) {
-            return tree_fail(error, tree, "%d entries are counted, there may be 0 to %d", (int)field->count, (int)most);
-        }
+    const int32_t most = field->is_variable ? names_most_elements(field->of, field->name) : field->most;
+    if (field->count < 0 || field->count > most) {
+        return tree_fail(error, tree, "%d entries are counted, there may be 0 to %d", (int)field->count, (int)most);
     }
     if (tree->count != field->count) {
         return tree_fail(error, tree, "%d entries, there must be exactly %d", tree->count, (int)field->count);
@@ -400,7 +429,7 @@ void wire_clear(const char* type, void* message) {
     const lcm_type_info_t* const info = info_of(type);
     for (int i = 0; i < info->num_fields(); i++) {
         const field_t field = field_at(type, info, message, i);
-        for (int32_t k = 0; field.elements != NULL && k < field.count; k++) {
+        for (int32_t k = 0; field.elements != NULL && k < sound_count(&field); k++) {
             char* const element = field.elements + (size_t)k * field.element_size;
             if (field.kind == LCM_FIELD_USER_TYPE) {
                 wire_clear(field.type, element);
@@ -457,7 +486,7 @@ static bool skip_message(const char* type, bytes_t* bytes) {
         if (field.kind == LCM_FIELD_INT32_T && !field.is_list && bytes->size >= 4) {
             *(int32_t*)(void*)field.elements = (int32_t)read_u32(bytes->data);
         }
-        for (int32_t k = 0; k < field.count; k++) {
+        for (int32_t k = 0; k < (field.is_variable ? field.count : field.most); k++) {
             if (!(field.kind == LCM_FIELD_USER_TYPE ? skip_message(field.type, bytes)
                   : field.kind == LCM_FIELD_STRING  ? skip_text(bytes)
                                                     : skip(bytes, field.element_size))) {

@@ -24,11 +24,15 @@ const names_t names_outcome = {"execution_t",
                                8,
                                {"under_way", "docked", "missed", "strayed", "stopped", "halted", "refused", "silent"}};
 const names_t names_goal = {"execution_t", "goal", 2, {"mate", "dock"}};
+const names_t names_obstacle = {"obstacle_t", "kind", 2, {"capsule", "wall"}};
+const names_t names_tank = {"tank_t", "kind", 3, {"none", "box", "cylinder"}};
+const names_t names_body = {"clearance_t", "body", 2, {"vehicle", "beam"}};
+static const names_t of_candidate = {"candidate_t", "body", 2, {"vehicle", "beam"}};
 
 const names_t* names_of_field(const char* type, const char* field) {
-    static const names_t* const all[] = {&names_status, &names_phase,   &names_kind,   &names_ramp,
-                                         &names_event,  &names_method,  &names_effort, &names_scalar,
-                                         &names_state,  &names_outcome, &names_goal};
+    static const names_t* const all[] = {&names_status, &names_phase,    &names_kind,   &names_ramp,  &names_event,
+                                         &names_method, &names_effort,   &names_scalar, &names_state, &names_outcome,
+                                         &names_goal,   &names_obstacle, &names_tank,   &names_body,  &of_candidate};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
         if (strcmp(all[i]->type, type) == 0 && strcmp(all[i]->field, field) == 0) {
             return all[i];
@@ -70,4 +74,12 @@ int32_t names_most_elements(const char* type, const char* field) {
         }
     }
     return 0;
+}
+
+const char* names_counter_of(const char* type, const char* field) {
+    return strcmp(type, "scene_t") == 0 && strcmp(field, "obstacles") == 0 ? "num_obstacles" : NULL;
+}
+
+bool names_is_choice(const char* type, const char* field) {
+    return strcmp(type, "scenario_t") == 0 && (strcmp(field, "obstacles") == 0 || strcmp(field, "left") == 0);
 }

@@ -68,15 +68,15 @@ static void test_what_is_wrong_with_a_scene_is_named(void) {
     refused(&s, SSV_E_RANGE, "scene.num_obstacles", -1);
     scene.num_obstacles = 3;
     scene.obstacle[1] = sphere(0, 0, 0, -0.1);
-    refused(&s, SSV_E_RANGE, "scene.obstacle[i].radius_m", 1);
+    refused(&s, SSV_E_RANGE, "scene.obstacles[i].radius_m", 1);
     scene.obstacle[1] = sphere(0, NAN, 0, 0.1);
-    refused(&s, SSV_E_NOT_FINITE, "scene.obstacle[i].p_I_m", 1);
+    refused(&s, SSV_E_NOT_FINITE, "scene.obstacles[i].p_I_m", 1);
     scene.obstacle[1] = (ssv_obstacle_t){.kind = SSV_WALL, .axis_I = {0, 0, 1.001}};
-    refused(&s, SSV_E_NOT_UNIT, "scene.obstacle[i].axis_I", 1);
+    refused(&s, SSV_E_NOT_UNIT, "scene.obstacles[i].axis_I", 1);
     scene.obstacle[1] = (ssv_obstacle_t){.length_m = 1};
-    refused(&s, SSV_E_NOT_UNIT, "scene.obstacle[i].axis_I", 1);
+    refused(&s, SSV_E_NOT_UNIT, "scene.obstacles[i].axis_I", 1);
     scene.obstacle[1] = (ssv_obstacle_t){.kind = (ssv_obstacle_kind_t)2};
-    refused(&s, SSV_E_RANGE, "scene.obstacle[i].kind", 1);
+    refused(&s, SSV_E_RANGE, "scene.obstacles[i].kind", 1);
     scene.obstacle[1] = sphere(0, 0, 0, 0.1);
     s.obstacles = 9; // the first, and one that is not there
     refused(&s, SSV_E_RANGE, "obstacles", -1);

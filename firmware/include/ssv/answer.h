@@ -1,4 +1,4 @@
-/// The planner behind its wire types, with no transport between: one scenario_t in, one plan_t out; up to 16 scenarios
+/// The planner behind its wire types, with no transport between: one task_t in, one plan_t out; up to 16 scenarios
 /// in a scenario_batch_t in, as many prices in a quote_batch_t out. The daemon calls it for what arrives over LCM, `ssv
 /// plan` and `ssv quote` call it in process, so both give the same answer to the same question.
 ///
@@ -15,6 +15,7 @@
 #include "lcm_ssv_quote_batch_t.h"
 #include "lcm_ssv_scenario_batch_t.h"
 #include "lcm_ssv_scenario_t.h"
+#include "lcm_ssv_task_t.h"
 #include "ssv/planner.h"
 
 #ifdef __cplusplus
@@ -23,19 +24,21 @@ extern "C" {
 
 /// Most scenarios of a batch.
 #define SSV_MAX_BATCH 16
-/// Room for the longest reason, that of an infeasible scenario with every candidate's own; and for such a one.
+/// Room for the longest reason, that of an infeasible scenario with its candidates' own, as many as fit; and for such a
+/// one.
 #define SSV_REASON_SIZE 1536
-#define SSV_CANDIDATE_REASON_SIZE 64
+#define SSV_CANDIDATE_REASON_SIZE 80
 
 /// The longest messages [bytes], by the sizes of the wire types. A quote has a reason or a front, never both.
-#define SSV_QUOTE_BYTES_MAX (186 + SSV_REASON_SIZE + (45 + SSV_CANDIDATE_REASON_SIZE) * SSV_MAX_CANDIDATES)
+#define SSV_QUOTE_BYTES_MAX (186 + SSV_REASON_SIZE + (55 + SSV_CANDIDATE_REASON_SIZE) * SSV_MAX_CANDIDATES)
 #define SSV_PLAN_BYTES_MAX                                                                                             \
-    (157 + SSV_QUOTE_BYTES_MAX + 205 * SSV_MAX_LEGS + 64 * SSV_MAX_ARCS + 113 * SSV_MAX_SEGMENTS + 9 * SSV_MAX_EVENTS)
+    (184 + SSV_QUOTE_BYTES_MAX + 205 * SSV_MAX_LEGS + 64 * SSV_MAX_ARCS + 113 * SSV_MAX_SEGMENTS + 9 * SSV_MAX_EVENTS)
 #define SSV_QUOTE_BATCH_BYTES_MAX (81 + SSV_QUOTE_BYTES_MAX * SSV_MAX_BATCH)
 
 /// What a quote_t points to.
 typedef struct {
     char reason[SSV_REASON_SIZE];
+    char candidate_reason[SSV_MAX_CANDIDATES][SSV_CANDIDATE_REASON_SIZE];
     lcm_ssv_candidate_t candidates[SSV_MAX_CANDIDATES];
     lcm_ssv_candidate_t front[SSV_MAX_FRONT];
 } ssv_quote_parts_t;
@@ -45,12 +48,13 @@ typedef struct {
     int stage;
     bool begun;
     ssv_status_t status;
+    ssv_scene_t scene; ///< that the problem refers to
     ssv_problem_t problem;
     ssv_work_t work;
     ssv_front_t front;
 } ssv_working_t;
 
-/// Memory for one answer: caller-owned, some 70 kB, best static. `wire` points into the rest, so the struct must not be
+/// Memory for one answer: caller-owned, some 80 kB, best static. `wire` points into the rest, so the struct must not be
 /// copied or freed while wire is in use.
 typedef struct {
     lcm_ssv_plan_t wire; ///< the answer, ready to encode
@@ -63,7 +67,7 @@ typedef struct {
     ssv_working_t working; ///< working.status is the core's: that of ssv_plan, or what ssv_problem_init found
 } ssv_answer_t;
 
-/// Memory for the answer to one batch: some 85 kB, likewise.
+/// Memory for the answer to one batch: some 110 kB, likewise.
 typedef struct {
     lcm_ssv_quote_batch_t wire; ///< the answer, ready to encode
     lcm_ssv_quote_t quotes[SSV_MAX_BATCH];
@@ -73,12 +77,14 @@ typedef struct {
     bool scenario_done;    ///< whether the last step ended a scenario, of which working.status then is the core's
 } ssv_batch_answer_t;
 
-/// Converts the wire scenario to the core's type, value for value: any content is accepted, nothing is checked here.
-/// want_front has no part in it: a front is asked for by a call of its own.
-void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* message);
+/// Converts scene and scenario of the wire to the core's types, value for value: any content is accepted, nothing is
+/// checked here. The scenario refers to the scene; NULL for none. want_front has no part in it: a front is asked for by
+/// a call of its own.
+void ssv_scene_from_wire(ssv_scene_t* scene, const lcm_ssv_scene_t* message);
+void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* message, const ssv_scene_t* scene);
 
-/// Converts a plan from the wire to what ssv_plan_sample reads: legs, arcs, segments, events, times and poses. It must
-/// have passed ssv_check_plan (ssv/check.h), with status OK.
+/// Converts a plan from the wire to what ssv_plan_sample and ssv_plan_clearance read: legs, arcs, segments, events,
+/// times, poses and the contact that docks. It must have passed ssv_check_plan (ssv/check.h), with status OK.
 void ssv_plan_from_wire(ssv_plan_t* plan, const lcm_ssv_plan_t* wire);
 
 /// This planner under an id, which an answer's reader knows it by. The text is static.
@@ -86,12 +92,12 @@ lcm_ssv_planner_t ssv_planner_identity(int64_t planner_id);
 
 /// Answers the question: plans it, or says why not. Never fails; the answer's status and reason tell.
 /// @return answer->working.status.
-ssv_status_t ssv_answer(const lcm_ssv_scenario_t* question, const lcm_ssv_planner_t* planner, ssv_answer_t* answer);
+ssv_status_t ssv_answer(const lcm_ssv_task_t* question, const lcm_ssv_planner_t* planner, ssv_answer_t* answer);
 
 /// The same in slices, for who has other things to do between (ssv_plan_begin says how long they are): begin, then step
 /// until it returns true. *question must stay as it is until then; *planner's text as long as the answer is in use.
-void ssv_answer_begin(const lcm_ssv_scenario_t* question, const lcm_ssv_planner_t* planner, ssv_answer_t* answer);
-bool ssv_answer_step(const lcm_ssv_scenario_t* question, ssv_answer_t* answer);
+void ssv_answer_begin(const lcm_ssv_task_t* question, const lcm_ssv_planner_t* planner, ssv_answer_t* answer);
+bool ssv_answer_step(const lcm_ssv_task_t* question, ssv_answer_t* answer);
 
 /// Refuses the question that was begun: status INVALID with this reason (copied, cut at SSV_REASON_SIZE - 1).
 void ssv_answer_refuse(const char* reason, ssv_answer_t* answer);
