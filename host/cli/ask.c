@@ -19,6 +19,9 @@
 #include "ssv/check.h"
 #include "wire/message.h"
 
+/// Room for a task, whose scene is most of it, and for each scenario of a batch.
+#define TASK_BYTES_MAX 6144
+#define SCENARIO_BYTES_MAX 1024
 #define RESEND_PERIOD_S 0.5
 /// A stop is urgent.
 #define STOP_PERIOD_S 0.2
@@ -56,7 +59,7 @@ static line_t line_to(const ask_target_t* target, const char* answer_channel) {
 
 typedef struct {
     line_t line;
-    const lcm_ssv_scenario_t* question;
+    const lcm_ssv_task_t* question;
     lcm_ssv_plan_t* answer;
     bool sent, answered;
 } plan_wait_t;
@@ -76,7 +79,7 @@ static void plan_received(const lcm_recv_buf_t* datagram, const char* channel, v
         wait->line.foreign++;
         return;
     }
-    if (wait->sent && is_for(&plan.answer.asker, &wait->question->asker)) {
+    if (wait->sent && is_for(&plan.answer.asker, &wait->question->scenario.asker)) {
         wait->answered =
             ssv_check_plan(wait->question, &plan, reason) && line_check_scalar(&wait->line, &plan.answer, reason);
         if (wait->answered) {
@@ -88,8 +91,8 @@ static void plan_received(const lcm_recv_buf_t* datagram, const char* channel, v
     lcm_ssv_plan_t_decode_cleanup(&plan);
 }
 
-static bool exchange_plan(plan_wait_t* wait, lcm_ssv_scenario_t* question, char* error, size_t error_size) {
-    static uint8_t message[1024];
+static bool exchange_plan(plan_wait_t* wait, lcm_ssv_task_t* question, char* error, size_t error_size) {
+    static uint8_t message[TASK_BYTES_MAX];
     line_t* line = &wait->line;
     double deadline_s = line_now_s() + line->timeout_s, send_at_s = 0;
     if (line->scalar != NULL) {
@@ -100,10 +103,10 @@ static bool exchange_plan(plan_wait_t* wait, lcm_ssv_scenario_t* question, char*
             line_tell_silence(line, error, error_size);
             return false;
         }
-        question->asker.planner_id = line_first_wanted(line)->planner_id;
+        question->scenario.asker.planner_id = line_first_wanted(line)->planner_id;
         deadline_s = line_now_s() + line->timeout_s;
     }
-    const int size = lcm_ssv_scenario_t_encode(message, 0, sizeof message, question);
+    const int size = lcm_ssv_task_t_encode(message, 0, sizeof message, question);
     wait->sent = true;
     for (double t_s = line_now_s(); !wait->answered && t_s < deadline_s; t_s = line_now_s()) {
         if (t_s >= send_at_s) {
@@ -116,7 +119,7 @@ static bool exchange_plan(plan_wait_t* wait, lcm_ssv_scenario_t* question, char*
     return wait->answered;
 }
 
-bool ask_plan(const ask_target_t* target, lcm_ssv_scenario_t* question, lcm_ssv_plan_t* answer, char* error,
+bool ask_plan(const ask_target_t* target, lcm_ssv_task_t* question, lcm_ssv_plan_t* answer, char* error,
               size_t error_size) {
     plan_wait_t wait = {.line = line_to(target, CHANNEL_PLAN), .question = question, .answer = answer};
     if (!line_open(&wait.line, plan_received, &wait, error, error_size)) return false;
@@ -154,7 +157,7 @@ static ask_wish_t turn(const flight_wait_t* wait, const lcm_ssv_execution_t* new
 static void execution_received(const lcm_recv_buf_t* datagram, const char* channel, void* context) {
     (void)channel;
     flight_wait_t* wait = context;
-    const lcm_ssv_asker_t* asker = &wait->plan.question->asker;
+    const lcm_ssv_asker_t* asker = &wait->plan.question->scenario.asker;
     lcm_ssv_execution_t news;
     if (!line_is_message("execution_t", datagram) ||
         lcm_ssv_execution_t_decode(datagram->data, 0, (int)datagram->data_size, &news) < 0) {
@@ -204,17 +207,17 @@ static bool find_vehicle(line_t* line, int64_t* planner_id, char* error, size_t 
 
 static bool send_stop(flight_wait_t* wait, char* error, size_t error_size) {
     uint8_t message[64];
-    const lcm_ssv_asker_t* asker = &wait->plan.question->asker;
+    const lcm_ssv_asker_t* asker = &wait->plan.question->scenario.asker;
     const lcm_ssv_control_t stop = {asker->planner_id, asker->request_id, LCM_SSV_CONTROL_T_COMMAND_STOP};
     const int size = lcm_ssv_control_t_encode(message, 0, sizeof message, &stop);
     return line_send(&wait->plan.line, CHANNEL_CONTROL, message, size, error, error_size);
 }
 
 static bool exchange_flight(flight_wait_t* wait, char* error, size_t error_size) {
-    static uint8_t message[1024];
+    static uint8_t message[TASK_BYTES_MAX];
     const ask_flight_t* flight = wait->flight;
     line_t* line = &wait->plan.line;
-    const int size = lcm_ssv_scenario_t_encode(message, 0, sizeof message, wait->plan.question);
+    const int size = lcm_ssv_task_t_encode(message, 0, sizeof message, wait->plan.question);
     double send_at_s = 0, stop_at_s = 0;
     bool is_other = false;
     wait->plan.sent = true;
@@ -256,7 +259,7 @@ static bool exchange_flight(flight_wait_t* wait, char* error, size_t error_size)
     return !is_other;
 }
 
-bool ask_flight(const ask_target_t* target, const ask_flight_t* flight, lcm_ssv_scenario_t* question,
+bool ask_flight(const ask_target_t* target, const ask_flight_t* flight, lcm_ssv_task_t* question,
                 lcm_ssv_plan_t* answer, lcm_ssv_execution_t* end, char* error, size_t error_size) {
     flight_wait_t wait = {
         .plan = {.line = line_to(target, CHANNEL_PLAN), .question = question, .answer = answer},
@@ -265,11 +268,11 @@ bool ask_flight(const ask_target_t* target, const ask_flight_t* flight, lcm_ssv_
     };
     line_t* line = &wait.plan.line;
     *end = (lcm_ssv_execution_t){0};
-    question->asker.planner_id = flight->planner_id;
+    question->scenario.asker.planner_id = flight->planner_id;
     if (!line_open(line, plan_received, &wait, error, error_size)) return false;
     const bool flown =
         line_hear(line, CHANNEL_EXECUTION, execution_received, &wait, error, error_size) &&
-        (flight->planner_id != 0 || find_vehicle(line, &question->asker.planner_id, error, error_size)) &&
+        (flight->planner_id != 0 || find_vehicle(line, &question->scenario.asker.planner_id, error, error_size)) &&
         exchange_flight(&wait, error, error_size);
     line_close(line);
     if (!flown) {
@@ -293,7 +296,8 @@ typedef struct {
 
 typedef struct {
     line_t line;
-    lcm_ssv_scenario_t* scenarios;
+    const lcm_ssv_task_t* tasks;
+    lcm_ssv_scenario_t* scenarios; ///< theirs, one after the other
     int count, dealt, priced;
     lcm_ssv_quote_t* quotes;
     int64_t epoch_us;  ///< the same for all, since the newest wins
@@ -348,7 +352,7 @@ static bool hand_out(deal_t* deal, batch_t* batch, int64_t planner_id, char* err
 }
 
 static bool send_batch(deal_t* deal, batch_t* batch, double t_s, char* error, size_t error_size) {
-    static uint8_t message[1024 * SSV_MAX_BATCH];
+    static uint8_t message[TASK_BYTES_MAX + SCENARIO_BYTES_MAX * SSV_MAX_BATCH];
     const int size = lcm_ssv_scenario_batch_t_encode(message, 0, sizeof message, &batch->question);
     batch->question_hash = ssv_question_hash(message, (size_t)size);
     batch->send_at_s = t_s + RESEND_PERIOD_S;
@@ -377,15 +381,25 @@ static int planners_there(const deal_t* deal, double t_s) {
     return there;
 }
 
+/// How many of the tasks from here on have the scene of the first, up to so many.
+static int with_one_scene(const lcm_ssv_task_t* tasks, int most) {
+    int count = 1;
+    while (count < most && memcmp(&tasks[count].scene, &tasks[0].scene, sizeof tasks[0].scene) == 0) count++;
+    return count;
+}
+
 /// The next scenarios as a batch for this planner: at most half of its share of what is left, so that all end at once.
 static bool deal_next(deal_t* deal, line_planner_t* planner, int planners, double t_s, char* error, size_t error_size) {
     int i = 0;
     while (deal->batch[i].is_open) i++;
     const int rest = deal->count - deal->dealt, parts = planners > 1 ? 2 * planners : 1;
-    const int share = (rest + parts - 1) / parts, size = share < SSV_MAX_BATCH ? share : SSV_MAX_BATCH;
-    deal->batch[i] = (batch_t){.question = {.num_scenarios = size, .scenarios = &deal->scenarios[deal->dealt]},
-                               .first = deal->dealt,
-                               .is_open = true};
+    const int share = (rest + parts - 1) / parts, most = share < SSV_MAX_BATCH ? share : SSV_MAX_BATCH;
+    const lcm_ssv_task_t* first = &deal->tasks[deal->dealt];
+    const int size = with_one_scene(first, most);
+    deal->batch[i] = (batch_t){
+        .question = {.num_scenarios = size, .scene = first->scene, .scenarios = &deal->scenarios[deal->dealt]},
+        .first = deal->dealt,
+        .is_open = true};
     deal->dealt += size;
     if (planner != NULL) planner->batch = i;
     return hand_out(deal, &deal->batch[i], planner == NULL ? 0 : planner->planner_id, error, error_size) &&
@@ -454,14 +468,15 @@ static bool exchange_quotes(deal_t* deal, char* error, size_t error_size) {
     return true;
 }
 
-bool ask_quotes(const ask_target_t* target, const lcm_ssv_scenario_t* scenarios, int count, lcm_ssv_quote_t* quotes,
+bool ask_quotes(const ask_target_t* target, const lcm_ssv_task_t* tasks, int count, lcm_ssv_quote_t* quotes,
                 void (*progress)(int priced, int count, void* context), void* context, char* error, size_t error_size) {
     static batch_t batches[BATCHES_MAX];
     lcm_ssv_asker_t asker;
     memset(batches, 0, sizeof batches);
     memset(quotes, 0, (size_t)count * sizeof *quotes);
     deal_t deal = {.line = line_to(target, CHANNEL_QUOTES),
-                   .scenarios = calloc((size_t)count, sizeof *scenarios),
+                   .tasks = tasks,
+                   .scenarios = calloc((size_t)count, sizeof *deal.scenarios),
                    .count = count,
                    .quotes = quotes,
                    .batch = batches,
@@ -472,7 +487,7 @@ bool ask_quotes(const ask_target_t* target, const lcm_ssv_scenario_t* scenarios,
         return false;
     }
     for (int i = 0; i < count; i++) {
-        deal.scenarios[i] = scenarios[i];
+        deal.scenarios[i] = tasks[i].scenario;
         deal.scenarios[i].asker = (lcm_ssv_asker_t){0};
     }
     bool answered = ask_stamp(&asker, error, error_size);

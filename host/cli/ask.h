@@ -12,7 +12,7 @@
 #include "lcm_ssv_execution_t.h"
 #include "lcm_ssv_plan_t.h"
 #include "lcm_ssv_quote_t.h"
-#include "lcm_ssv_scenario_t.h"
+#include "lcm_ssv_task_t.h"
 
 /// Whom to ask, and for how long.
 typedef struct {
@@ -30,7 +30,7 @@ bool ask_stamp(lcm_ssv_asker_t* asker, char* error, size_t error_size);
 /// heard of that one is asked by its id, which is written to the question: no other can answer then.
 /// @param answer  written only on success; the caller frees it with lcm_ssv_plan_t_decode_cleanup.
 /// @return true; or false with a sentence in `error`: no transport, no planner of the scalar, or no answer in time.
-bool ask_plan(const ask_target_t* target, lcm_ssv_scenario_t* question, lcm_ssv_plan_t* answer, char* error,
+bool ask_plan(const ask_target_t* target, lcm_ssv_task_t* question, lcm_ssv_plan_t* answer, char* error,
               size_t error_size);
 
 /// What whoever had a task flown wants next.
@@ -54,16 +54,17 @@ typedef struct {
 /// @param answer  the plan, or the planner's refusal, after which nothing is flown; as of ask_plan.
 /// @param end     the last that was told, `state` being STATE_ENDED after a flight; freed with wire_clear.
 /// @return true; or false with a sentence in `error` and neither of the two written.
-bool ask_flight(const ask_target_t* target, const ask_flight_t* flight, lcm_ssv_scenario_t* question,
+bool ask_flight(const ask_target_t* target, const ask_flight_t* flight, lcm_ssv_task_t* question,
                 lcm_ssv_plan_t* answer, lcm_ssv_execution_t* end, char* error, size_t error_size);
 
-/// Likewise the prices of any number of scenarios (their own asker means nothing), in batches of at most SSV_MAX_BATCH.
+/// Likewise the prices of any number of tasks (their own asker means nothing), in batches of at most SSV_MAX_BATCH that
+/// have the same scene.
 /// What fits one batch goes to whoever is there. More is dealt to the planners that are heard, one batch at a time
 /// each; a planner that falls silent, or does not answer for long, loses its batch to another. Where none is heard,
 /// whoever hears the batch answers it.
 /// @param quotes    one for each scenario, in their order, written only on success; freed with wire_clear each.
 /// @param progress  called after each answer with how many scenarios have their price; may be NULL.
-bool ask_quotes(const ask_target_t* target, const lcm_ssv_scenario_t* scenarios, int count, lcm_ssv_quote_t* quotes,
+bool ask_quotes(const ask_target_t* target, const lcm_ssv_task_t* tasks, int count, lcm_ssv_quote_t* quotes,
                 void (*progress)(int priced, int count, void* context), void* context, char* error, size_t error_size);
 
 #endif

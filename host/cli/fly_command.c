@@ -387,8 +387,8 @@ static int take_signals(void) {
 }
 
 /// Has the plan flown and shows how it went. @return the exit code.
-static int fly(flight_t* flight, const report_plan_t* predicted, lcm_ssv_scenario_t* question,
-               const scenario_file_t* file, int64_t planner_id) {
+static int fly(flight_t* flight, const report_plan_t* predicted, lcm_ssv_task_t* question, const scenario_file_t* file,
+               int64_t planner_id) {
     const task_options_t* options = flight->options;
     simulation_t* simulation = flight->simulation;
     const ask_target_t target = {options->lcm_url, simulation != NULL ? NULL : options->scalar,
@@ -448,7 +448,7 @@ static int fly(flight_t* flight, const report_plan_t* predicted, lcm_ssv_scenari
 }
 
 /// @return the exit code.
-static int begin(const task_options_t* options, lcm_ssv_scenario_t* question, const scenario_file_t* file,
+static int begin(const task_options_t* options, lcm_ssv_task_t* question, const scenario_file_t* file,
                  const lcm_ssv_plan_t* plan) {
     char error[1024];
     const report_plan_t predicted = {options->shown[0], question, plan, false};
@@ -465,7 +465,7 @@ static int begin(const task_options_t* options, lcm_ssv_scenario_t* question, co
         fprintf(stderr, "ssv: %s\n", error);
         return EXIT_INVALID;
     }
-    if (options->conditions != NULL && question->thrust_reserve <= 0) {
+    if (options->conditions != NULL && question->scenario.thrust_reserve <= 0) {
         fprintf(stderr,
                 "ssv: this plan takes all that the thrusters have, and leaves nothing to push back with; "
                 "thrust_reserve: 0.2 in the scenario would\n");
@@ -495,15 +495,15 @@ int fly_command(int argc, char** argv) {
 
     char error[1024];
     scenario_file_t file;
-    lcm_ssv_scenario_t question;
+    lcm_ssv_task_t question;
     int code = EXIT_FAILED;
     if (!task_read(&options, options.paths[0], &file, &question, error, sizeof error)) {
         code = plan_refused(&options, error);
-    } else if (!ask_stamp(&question.asker, error, sizeof error)) {
+    } else if (!ask_stamp(&question.scenario.asker, error, sizeof error)) {
         fprintf(stderr, "ssv: %s\n", error);
     } else {
         static ssv_answer_t answer;
-        const lcm_ssv_planner_t planner = ssv_planner_identity(question.asker.asker_id);
+        const lcm_ssv_planner_t planner = ssv_planner_identity(question.scenario.asker.asker_id);
         ssv_answer(&question, &planner, &answer);
         code = answer.wire.quote.status == LCM_SSV_QUOTE_T_STATUS_OK
                    ? begin(&options, &question, &file, &answer.wire)

@@ -60,7 +60,7 @@ static int exit_code(const lcm_ssv_plan_t* answer) {
 
 /// Shows the planner's answer: a plan where the options say, anything else on standard output, and on standard error
 /// why it is no plan. @return the exit code.
-static int conclude(const task_options_t* options, const lcm_ssv_scenario_t* question, const lcm_ssv_plan_t* answer) {
+static int conclude(const task_options_t* options, const lcm_ssv_task_t* question, const lcm_ssv_plan_t* answer) {
     const report_plan_t report = {options->shown[0], question, answer, options->over_lcm};
     const char* const path = answer->quote.status == LCM_SSV_QUOTE_T_STATUS_OK ? options->output_path : NULL;
     const bool written = output_report(path, options->as_json ? report_plan_json : report_plan_table, &report);
@@ -74,7 +74,7 @@ static int conclude(const task_options_t* options, const lcm_ssv_scenario_t* que
     return written ? exit_code(answer) : EXIT_FAILED;
 }
 
-int plan_show(const task_options_t* options, const scenario_file_t* file, const lcm_ssv_scenario_t* question,
+int plan_show(const task_options_t* options, const scenario_file_t* file, const lcm_ssv_task_t* question,
               const lcm_ssv_plan_t* answer) {
     char reason[1024];
     lcm_ssv_plan_t explained = *answer;
@@ -99,13 +99,13 @@ int plan_command(int argc, char** argv) {
 
     char error[1024];
     scenario_file_t file;
-    lcm_ssv_scenario_t question;
+    lcm_ssv_task_t question;
     int code = EXIT_NO_ANSWER;
     if (!task_read(&options, options.paths[0], &file, &question, error, sizeof error)) {
         scenario_file_close(&file);
         return plan_refused(&options, error);
     }
-    if (!ask_stamp(&question.asker, error, sizeof error)) {
+    if (!ask_stamp(&question.scenario.asker, error, sizeof error)) {
         fprintf(stderr, "ssv: %s\n", error);
         scenario_file_close(&file);
         return EXIT_FAILED;
@@ -113,7 +113,8 @@ int plan_command(int argc, char** argv) {
 
     if (!options.over_lcm) {
         static ssv_answer_t answer;
-        const lcm_ssv_planner_t planner = ssv_planner_identity(question.asker.asker_id); // asker and planner in one
+        const lcm_ssv_planner_t planner =
+            ssv_planner_identity(question.scenario.asker.asker_id); // asker and planner in one
         ssv_answer(&question, &planner, &answer);
         code = plan_show(&options, &file, &question, &answer.wire);
     } else {

@@ -7,7 +7,7 @@
 
 /// Shows a planner's answer: a plan where the options say, anything else on standard output, and on standard error why
 /// it is no plan, in words of the file. @return the exit code.
-int plan_show(const task_options_t* options, const scenario_file_t* file, const lcm_ssv_scenario_t* question,
+int plan_show(const task_options_t* options, const scenario_file_t* file, const lcm_ssv_task_t* question,
               const lcm_ssv_plan_t* answer);
 
 /// Likewise a task that could not be read.

@@ -48,7 +48,7 @@ static const char doc[] =
 
 /// One scenario file and what comes of it.
 typedef struct {
-    lcm_ssv_scenario_t question;
+    lcm_ssv_task_t question;
     scenario_file_t file;
     lcm_ssv_quote_t refused; ///< of a file that is no scenario, or that the planner refuses
     char error[1024];        ///< likewise: why, in words of the file
@@ -118,20 +118,17 @@ static int conclude(const task_options_t* options, task_t* tasks, lcm_ssv_quote_
 }
 
 /// Prices in process. @return false if out of memory.
-static bool price_here(const lcm_ssv_asker_t* asker, lcm_ssv_scenario_t* scenarios, int count,
-                       lcm_ssv_quote_t* quotes) {
+static bool price_here(const lcm_ssv_asker_t* asker, lcm_ssv_task_t* tasks, int count, lcm_ssv_quote_t* quotes) {
     static ssv_batch_answer_t answer;
     const lcm_ssv_planner_t planner = ssv_planner_identity(asker->asker_id); // asker and planner in one
-    for (int first = 0; first < count; first += SSV_MAX_BATCH) {
-        const int size = count - first < SSV_MAX_BATCH ? count - first : SSV_MAX_BATCH;
-        const lcm_ssv_scenario_batch_t batch = {.asker = *asker, .num_scenarios = size, .scenarios = &scenarios[first]};
+    for (int i = 0; i < count; i++) {
+        const lcm_ssv_scenario_batch_t batch = {
+            .asker = *asker, .num_scenarios = 1, .scene = tasks[i].scene, .scenarios = &tasks[i].scenario};
         ssv_answer_batch(&batch, 0, &planner, &answer); // nobody checks the hash of a question that was not sent
-        for (int i = 0; i < size; i++) {
-            lcm_ssv_quote_t* const copy = lcm_ssv_quote_t_copy(&answer.wire.quotes[i]);
-            if (copy == NULL) return false;
-            quotes[first + i] = *copy;
-            free(copy);
-        }
+        lcm_ssv_quote_t* const copy = lcm_ssv_quote_t_copy(&answer.wire.quotes[0]);
+        if (copy == NULL) return false;
+        quotes[i] = *copy;
+        free(copy);
     }
     return true;
 }
@@ -146,7 +143,7 @@ static void show_progress(int priced, int count, void* context) {
 
 /// Reads the files; those that are scenarios come one after the other. @return how many there are.
 static int read_tasks(const task_options_t* options, const lcm_ssv_asker_t* asker, task_t* tasks,
-                      lcm_ssv_scenario_t* scenarios) {
+                      lcm_ssv_task_t* questions) {
     int count = 0;
     for (int i = 0; i < options->num_paths; i++) {
         task_t* task = &tasks[i];
@@ -155,9 +152,9 @@ static int read_tasks(const task_options_t* options, const lcm_ssv_asker_t* aske
             task->number = -1;
             continue;
         }
-        task->question.asker = *asker;
+        task->question.scenario.asker = *asker;
         task->number = count;
-        scenarios[count++] = task->question;
+        questions[count++] = task->question;
     }
     return count;
 }
@@ -169,24 +166,24 @@ int quote_command(int argc, char** argv) {
     task_options_parse(&options, doc, INT_MAX, TASK_ANSWERED, argc, argv);
     const size_t most = (size_t)options.num_paths;
     task_t* const tasks = calloc(most, sizeof *tasks);
-    lcm_ssv_scenario_t* const scenarios = calloc(most, sizeof *scenarios);
+    lcm_ssv_task_t* const questions = calloc(most, sizeof *questions);
     lcm_ssv_quote_t* const quotes = calloc(most, sizeof *quotes);
-    if (tasks == NULL || scenarios == NULL || quotes == NULL || !ask_stamp(&asker, error, sizeof error)) {
-        fprintf(stderr, "ssv: %s\n", tasks == NULL || scenarios == NULL || quotes == NULL ? "out of memory" : error);
+    if (tasks == NULL || questions == NULL || quotes == NULL || !ask_stamp(&asker, error, sizeof error)) {
+        fprintf(stderr, "ssv: %s\n", tasks == NULL || questions == NULL || quotes == NULL ? "out of memory" : error);
         free(tasks);
-        free(scenarios);
+        free(questions);
         free(quotes);
         return EXIT_FAILED;
     }
-    const int count = read_tasks(&options, &asker, tasks, scenarios);
+    const int count = read_tasks(&options, &asker, tasks, questions);
     int code = EXIT_OK;
     if (options.over_lcm && count > 0) {
         const ask_target_t target = {options.lcm_url, options.scalar, options.timeout_s};
-        if (!ask_quotes(&target, scenarios, count, quotes, show_progress, NULL, error, sizeof error)) {
+        if (!ask_quotes(&target, questions, count, quotes, show_progress, NULL, error, sizeof error)) {
             fprintf(stderr, "ssv: %s\n", error);
             code = EXIT_NO_ANSWER;
         }
-    } else if (!price_here(&asker, scenarios, count, quotes)) {
+    } else if (!price_here(&asker, questions, count, quotes)) {
         fprintf(stderr, "ssv: out of memory\n");
         code = EXIT_FAILED;
     }
@@ -196,7 +193,7 @@ int quote_command(int argc, char** argv) {
         wire_clear("quote_t", &quotes[i]);
     }
     free(tasks);
-    free(scenarios);
+    free(questions);
     free(quotes);
     return code;
 }

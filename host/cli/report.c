@@ -21,13 +21,17 @@ static void phase_sums(const lcm_ssv_plan_t* plan, int8_t phase, double* time_s,
     }
 }
 
+static bool set_task(json_t* json, const lcm_ssv_task_t* task) {
+    return json_object_set_new(json, "scenario", wire_to_json("scenario_t", &task->scenario)) == 0 &&
+           json_object_set_new(json, "scene", wire_to_json("scene_t", &task->scene)) == 0;
+}
+
 bool report_plan_json(FILE* out, const void* report) {
     const lcm_ssv_plan_t* plan = ((const report_plan_t*)report)->plan;
     json_t* const json = json_object();
     bool complete = json != NULL;
     if (plan->quote.status != LCM_SSV_QUOTE_T_STATUS_INVALID) {
-        complete = json_object_set_new(json, "scenario",
-                                       wire_to_json("scenario_t", ((const report_plan_t*)report)->question)) == 0;
+        complete = set_task(json, ((const report_plan_t*)report)->question);
     }
     complete = complete && json_object_set_new(json, "plan", wire_to_json("plan_t", plan)) == 0;
     if (!complete) {
@@ -40,7 +44,7 @@ bool report_plan_json(FILE* out, const void* report) {
 static json_t* row_json(const report_quote_t* row) {
     json_t* const json = json_pack("{s:s}", "file", row->path);
     if (row->quote->status != LCM_SSV_QUOTE_T_STATUS_INVALID) {
-        json_object_set_new(json, "scenario", wire_to_json("scenario_t", row->question));
+        (void)set_task(json, row->question);
     }
     if (json_object_set_new(json, "quote", wire_to_json("quote_t", row->quote)) != 0) {
         json_decref(json);
@@ -146,15 +150,30 @@ static void bound_line(FILE* out, const lcm_ssv_quote_t* quote) {
     fputc('\n', out);
 }
 
+/// How clear the plan keeps, where there is something to keep clear of.
+static void clearance_line(FILE* out, const lcm_ssv_plan_t* plan) {
+    const lcm_ssv_clearance_t* clearance = &plan->clearance;
+    char obstacle[24];
+    if (clearance->obstacle == LCM_SSV_CLEARANCE_T_OBSTACLE_NONE) {
+        return;
+    }
+    snprintf(obstacle, sizeof obstacle, "obstacle %d", clearance->obstacle);
+    fprintf(out, "Keeps clear by %.0f mm (%s, the %s on leg %d of %d)\n", 1e3 * clearance->certified_m,
+            clearance->obstacle == LCM_SSV_CLEARANCE_T_OBSTACLE_BEAM   ? "its beam"
+            : clearance->obstacle == LCM_SSV_CLEARANCE_T_OBSTACLE_TANK ? "the tank's wall"
+                                                                       : obstacle,
+            name_of(&names_body, clearance->body), clearance->leg + 1, plan->num_legs);
+}
+
 static const char* base_name(const char* path) {
     const char* const slash = strrchr(path, '/');
     return slash == NULL ? path : slash + 1;
 }
 
 bool report_plan_table(FILE* out, const void* report) {
-    const char* const title = base_name(((const report_plan_t*)report)->path);
-    const lcm_ssv_scenario_t* question = ((const report_plan_t*)report)->question;
-    const lcm_ssv_plan_t* plan = ((const report_plan_t*)report)->plan;
+    const report_plan_t* const answer = report;
+    const char* const title = base_name(answer->path);
+    const lcm_ssv_plan_t* plan = answer->plan;
     const lcm_ssv_quote_t* quote = &plan->quote;
     if (quote->status == LCM_SSV_QUOTE_T_STATUS_INVALID) {
         return true;
@@ -167,12 +186,14 @@ bool report_plan_table(FILE* out, const void* report) {
     if (quote->status != LCM_SSV_QUOTE_T_STATUS_OK) {
         return true;
     }
+    const lcm_ssv_scenario_t* const question = &answer->question->scenario;
     const bool is_optimal = question->options.method == LCM_SSV_OPTIONS_T_METHOD_OPTIMAL;
     fprintf(out, "%s: J = %.9g /s x %.3f s + %.9g /(N s) x %.3f N s = %.3f\n", title, question->weight_time_per_s,
             quote->time_s, question->weight_impulse_per_Ns, quote->impulse_Ns, quote->cost);
     bound_line(out, quote);
     fprintf(out, "Mates at height %+.4f m, ring angle %+.1f deg; contact %d docks\n", quote->choice.attach_height_m,
             quote->choice.ring_angle_rad * DEG_PER_RAD, quote->choice.contact);
+    clearance_line(out, plan);
     detail_tables(out, quote);
     fputc('\n', out);
     legs_table(out, plan);
@@ -184,7 +205,7 @@ bool report_plan_table(FILE* out, const void* report) {
             is_optimal ? name_of(&names_effort, question->options.effort) : "");
     fprintf(out, "  %d combinations priced, %d timeline segments, %d bytes on the wire\n",
             (int)quote->choice.candidates, plan->num_segments, lcm_ssv_plan_t_encoded_size(plan));
-    if (((const report_plan_t*)report)->names_planner) {
+    if (answer->names_planner) {
         fprintf(out, "  planned in %s by planner %016" PRIx64 ", version %s\n",
                 name_of(&names_scalar, plan->answer.planner.scalar), (uint64_t)plan->answer.planner.planner_id,
                 plan->answer.planner.version);
@@ -259,8 +280,7 @@ bool report_flight_json(FILE* out, const void* report) {
         complete = json_array_append_new(legs, leg_json(&plan->legs[i], &flight->legs[i])) == 0;
     }
     json_t* const json = json_object();
-    complete =
-        complete && json_object_set_new(json, "scenario", wire_to_json("scenario_t", flight->plan.question)) == 0;
+    complete = complete && set_task(json, flight->plan.question);
     complete = complete && json_object_set_new(json, "plan", wire_to_json("plan_t", plan)) == 0;
     complete = complete && json_object_set_new(json, "execution", wire_to_json("execution_t", flight->end)) == 0;
     complete = complete && json_object_set(json, "legs", legs) == 0;

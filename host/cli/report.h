@@ -9,20 +9,20 @@
 
 #include "lcm_ssv_execution_t.h"
 #include "lcm_ssv_plan_t.h"
-#include "lcm_ssv_scenario_t.h"
+#include "lcm_ssv_task_t.h"
 #include "ssv/answer.h"
 
 /// A plan, the question that it answers, and the file that this came from.
 typedef struct {
     const char* path;
-    const lcm_ssv_scenario_t* question;
+    const lcm_ssv_task_t* question;
     const lcm_ssv_plan_t* plan;
     bool names_planner; ///< whether the table says which planner it was
 } report_plan_t;
 
 typedef struct {
     const char* path;
-    const lcm_ssv_scenario_t* question;
+    const lcm_ssv_task_t* question;
     const lcm_ssv_quote_t* quote;
 } report_quote_t;
 

@@ -88,8 +88,9 @@ static void write_yaml(FILE* out, json_t* json, int indent) {
     }
 }
 
-static json_t* question_json(const void* question) {
-    return json_pack("{s:o}", "scenario", wire_to_json("scenario_t", question));
+static json_t* question_json(const lcm_ssv_task_t* question) {
+    return json_pack("{s:o,s:o}", "scenario", wire_to_json("scenario_t", &question->scenario), "scene",
+                     wire_to_json("scene_t", &question->scene));
 }
 
 static bool report_json(FILE* out, const void* question) { return wire_json_write(out, question_json(question)); }
@@ -106,7 +107,7 @@ int scenario_command(int argc, char** argv) {
     task_options_parse(&options, doc, 1, TASK_SHOWN, argc, argv);
     char error[1024];
     scenario_file_t file;
-    lcm_ssv_scenario_t question;
+    lcm_ssv_task_t question;
     const bool sound = task_read(&options, options.paths[0], &file, &question, error, sizeof error);
     scenario_file_close(&file);
     if (!sound) {

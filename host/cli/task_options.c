@@ -270,7 +270,7 @@ void task_options_parse(task_options_t* options, const char* doc, int max_paths,
     }
 }
 
-bool task_read(const task_options_t* options, const char* path, scenario_file_t* file, lcm_ssv_scenario_t* question,
+bool task_read(const task_options_t* options, const char* path, scenario_file_t* file, lcm_ssv_task_t* task,
                char* error, size_t error_size) {
     char* const models = task_data_folder(SSV_MODELS_FROM_BIN);
     *file = (scenario_file_t){.tree = NULL};
@@ -278,11 +278,12 @@ bool task_read(const task_options_t* options, const char* path, scenario_file_t*
         snprintf(error, error_size, "out of memory");
         return false;
     }
-    const bool sound = scenario_file_open(file, path, models, question, error, error_size);
+    const bool sound = scenario_file_open(file, path, models, task, error, error_size);
     free(models);
     if (!sound) {
         return false;
     }
+    lcm_ssv_scenario_t* const question = &task->scenario;
     if (options->weights_given) {
         question->weight_time_per_s = options->weights[0];
         question->weight_impulse_per_Ns = options->weights[1];

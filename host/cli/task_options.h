@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "lcm_ssv_scenario_t.h"
+#include "lcm_ssv_task_t.h"
 #include "scenario_file.h"
 #include "ssv/answer.h"
 
@@ -42,7 +42,7 @@ char* task_data_folder(const char* from_bin);
 /// Reads a scenario file into `file`, which the caller closes in any case; what the options say counts over what it
 /// says. Its asker means nothing yet.
 /// @return true; or false with a sentence in `error`.
-bool task_read(const task_options_t* options, const char* path, scenario_file_t* file, lcm_ssv_scenario_t* question,
+bool task_read(const task_options_t* options, const char* path, scenario_file_t* file, lcm_ssv_task_t* task,
                char* error, size_t error_size);
 
 /// A planner's reason for refusing the question, as a sentence that names what the user wrote: file and line, or
