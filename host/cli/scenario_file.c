@@ -642,8 +642,10 @@ static bool lay_out_avoid(layout_t* layout, const tree_t* from, const hub_t* hub
                              is_built[port] ? "named twice" : "the one that the beam is to dock at");
         }
         is_built[port] = true;
-        if (!put_obstacle(layout, list, "capsule", number, hub->p_IP_m[port], hub->axis_I[port], beam_length_m,
-                          beam_radius_m)) {
+        const double* const axis_I = hub->axis_I[port];
+        const double length = hypot(hypot(axis_I[0], axis_I[1]), axis_I[2]);
+        const double unit_I[3] = {axis_I[0] / length, axis_I[1] / length, axis_I[2] / length};
+        if (!put_obstacle(layout, list, "capsule", number, hub->p_IP_m[port], unit_I, beam_length_m, beam_radius_m)) {
             return false;
         }
     }

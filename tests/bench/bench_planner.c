@@ -164,16 +164,16 @@ static void on_plan(const lcm_recv_buf_t* datagram, const char* channel, void* u
 }
 
 /// Sends the question until its answer comes. @return the time from the last sending to the answer, decoded.
-static double round_trip_ms(link_t* link, const lcm_ssv_scenario_t* question) {
-    uint8_t bytes[4096];
-    const int size = lcm_ssv_scenario_t_encode(bytes, 0, sizeof bytes, question);
+static double round_trip_ms(link_t* link, const lcm_ssv_task_t* question) {
+    uint8_t bytes[8192];
+    const int size = lcm_ssv_task_t_encode(bytes, 0, sizeof bytes, question);
     for (int i = 0; i < ANSWER_TRIES; i++) {
         const double start = now_ms();
         if (size < 0 || lcm_publish(link->lcm, "SSV_SCENARIO", bytes, (unsigned)size) != 0) {
             give_up("cannot send over LCM");
         }
         while (lcm_handle_timeout(link->lcm, ANSWER_TIMEOUT_US / 1000) > 0) {
-            if (link->last_answered == question->asker.request_id) {
+            if (link->last_answered == question->scenario.asker.request_id) {
                 return now_ms() - start;
             }
         }
@@ -213,7 +213,7 @@ static void link_close(link_t* link) {
 typedef struct {
     const char* name;
     const way_t* way;
-    lcm_ssv_scenario_t question;
+    lcm_ssv_task_t question;
     ssv_problem_t problem;
     double cost, bound;
     int segments, bytes;
@@ -237,11 +237,11 @@ static int read_scenarios(row_t* rows) {
         }
         row->name = strndup(name, strcspn(name, "."));
         row->way = &ways[count % NUM_WAYS];
-        row->question.options.method = (int8_t)row->way->method;
-        row->question.options.effort = (int8_t)row->way->effort;
-        row->question.options.want_candidates = 0;
-        row->question.asker.request_id = (int64_t)(count + 1) * MAX_REPEATS;
-        ssv_scenario_from_wire(&scenario, &row->question);
+        row->question.scenario.options.method = (int8_t)row->way->method;
+        row->question.scenario.options.effort = (int8_t)row->way->effort;
+        row->question.scenario.options.want_candidates = 0;
+        row->question.scenario.asker.request_id = (int64_t)(count + 1) * MAX_REPEATS;
+        ssv_scenario_from_wire(&scenario, &row->question.scenario, NULL);
         row->problem = problem_of(scenario, row->way);
     }
     globfree(&found);
@@ -255,7 +255,7 @@ static void measure(row_t* row, link_t* link) {
     samples_add(&row->quote_ms, quote_ms(&row->problem));
     samples_add(&row->over_lcm_ms, round_trip_ms(link, &row->question));
     samples_add(&row->bound_ns, bound_ns(&row->problem));
-    row->question.asker.request_id++;
+    row->question.scenario.asker.request_id++;
 }
 
 static void measure_scenarios(row_t* rows, int count) {
@@ -263,8 +263,8 @@ static void measure_scenarios(row_t* rows, int count) {
     const lcm_ssv_planner_t planner = ssv_planner_identity(1);
     link_t link;
     link_open(&link);
-    lcm_ssv_scenario_t first = rows[0].question;
-    first.asker.request_id = 0;
+    lcm_ssv_task_t first = rows[0].question;
+    first.scenario.asker.request_id = 0;
     round_trip_ms(&link, &first);     // until the daemon is up
     for (int i = 0; i < count; i++) { // a first, untimed look at each
         if (ssv_answer(&rows[i].question, &planner, &answer) != SSV_OK) give_up(answer.wire.quote.reason);

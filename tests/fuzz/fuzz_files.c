@@ -26,9 +26,9 @@ const char* __lsan_default_suppressions(void) { return "leak:libfyaml"; }
 
 static void read_scenario(const char* text, size_t size) {
     scenario_file_t file;
-    lcm_ssv_scenario_t scenario;
+    lcm_ssv_task_t task;
     char error[512] = "", sentence[600];
-    if (scenario_text_open(&file, "fuzz.yaml", text, size, SSV_MODELS, &scenario, error, sizeof error)) {
+    if (scenario_text_open(&file, "fuzz.yaml", text, size, SSV_MODELS, &task, error, sizeof error)) {
         scenario_file_explain(&file, "vehicle.body.mass_kg: is no more than an example", sentence, sizeof sentence);
     } else {
         CHECK(error[0] != '\0');

@@ -1,4 +1,4 @@
-// libFuzzer target: the bytes of a scenario_t or a scenario_batch_t as they may come from anyone, decoded and answered
+// libFuzzer target: the bytes of a task_t or a scenario_batch_t as they may come from anyone, decoded and answered
 // as the daemon does it. Whatever they are, the answer must be sound.
 #include <math.h>
 #include <stdio.h>
@@ -150,6 +150,25 @@ static void check_motion(const lcm_ssv_scenario_t* question, const lcm_ssv_plan_
     CHECK(is_near(plan->events[1].t_s, quote->time_s));
 }
 
+/// What a plan says of its clearance is sound, and what was asked for.
+static void check_clearance(const lcm_ssv_task_t* task, const lcm_ssv_plan_t* plan) {
+    const lcm_ssv_clearance_t* clearance = &plan->clearance;
+    const bool has_tank = task->scene.tank.kind != LCM_SSV_TANK_T_KIND_NONE;
+    const bool counts = task->scenario.obstacles != 0 || has_tank || real_from_double(task->scenario.margin_m) > 0;
+    CHECK(isfinite(clearance->certified_m) && isfinite(clearance->seen_m) && isfinite(clearance->s));
+    CHECK(clearance->certified_m <= clearance->seen_m);
+    if (!counts) {
+        CHECK(clearance->obstacle == LCM_SSV_CLEARANCE_T_OBSTACLE_NONE);
+        return;
+    }
+    const int k = clearance->obstacle;
+    CHECK(k == LCM_SSV_CLEARANCE_T_OBSTACLE_NONE || k == LCM_SSV_CLEARANCE_T_OBSTACLE_BEAM ||
+          (k == LCM_SSV_CLEARANCE_T_OBSTACLE_TANK && has_tank) ||
+          (k >= 0 && k < task->scene.num_obstacles && ((uint64_t)task->scenario.obstacles >> k & 1) != 0));
+    CHECK(clearance->leg >= 0 && (clearance->leg < plan->num_legs || plan->num_legs == 0));
+    CHECK(clearance->body == LCM_SSV_CLEARANCE_T_BODY_VEHICLE || clearance->body == LCM_SSV_CLEARANCE_T_BODY_BEAM);
+}
+
 static void check_status(ssv_status_t outcome, int8_t status) {
     CHECK(status == (outcome == SSV_OK                 ? LCM_SSV_QUOTE_T_STATUS_OK
                      : outcome == SSV_INFEASIBLE       ? LCM_SSV_QUOTE_T_STATUS_INFEASIBLE
@@ -166,7 +185,7 @@ __attribute__((noinline)) static void fill_stack(int filler) {
 }
 
 /// Answers into memory full of `filler` and encodes. @return the number of bytes.
-static int plan_bytes(const lcm_ssv_scenario_t* question, ssv_answer_t* answer, int filler, uint8_t* bytes) {
+static int plan_bytes(const lcm_ssv_task_t* question, ssv_answer_t* answer, int filler, uint8_t* bytes) {
     memset(answer, filler, sizeof *answer);
     fill_stack(filler);
     check_status(ssv_answer(question, &planner, answer), answer->wire.quote.status);
@@ -175,19 +194,22 @@ static int plan_bytes(const lcm_ssv_scenario_t* question, ssv_answer_t* answer, 
     return size;
 }
 
-static void plan_one(const lcm_ssv_scenario_t* question, ssv_answer_t* answer) {
+static void plan_one(const lcm_ssv_task_t* task, ssv_answer_t* answer) {
     static uint8_t first[SSV_PLAN_BYTES_MAX], second[SSV_PLAN_BYTES_MAX];
     // The same question gets the same bytes, whatever the memory held before.
-    const int first_size = plan_bytes(question, answer, 0xA5, first);
-    const int second_size = plan_bytes(question, answer, 0x5A, second);
+    const int first_size = plan_bytes(task, answer, 0xA5, first);
+    const int second_size = plan_bytes(task, answer, 0x5A, second);
     CHECK(first_size == second_size && memcmp(first, second, (size_t)first_size) == 0);
 
+    const lcm_ssv_scenario_t* question = &task->scenario;
     const lcm_ssv_plan_t* plan = &answer->wire;
     CHECK(is_same_asker(&plan->answer.asker, &question->asker));
     check_quote(question, &plan->quote);
     if (plan->quote.status == LCM_SSV_QUOTE_T_STATUS_OK) {
         check_motion(question, plan);
+        check_clearance(task, plan);
     } else {
+        CHECK(plan->clearance.obstacle == LCM_SSV_CLEARANCE_T_OBSTACLE_NONE);
         CHECK(plan->num_legs == 0 && plan->num_arcs == 0 && plan->num_segments == 0 && plan->num_events == 0);
     }
 }
@@ -207,10 +229,10 @@ static bool quote_all(const lcm_ssv_scenario_batch_t* batch, ssv_answer_t* answe
     CHECK(size > 0 && size == lcm_ssv_quote_batch_t_encoded_size(&quotes.wire));
     bool all_legal = true;
     for (int i = 0; i < batch->num_scenarios; i++) {
-        lcm_ssv_scenario_t alone = batch->scenarios[i];
+        lcm_ssv_task_t alone = {batch->scenarios[i], batch->scene};
         const lcm_ssv_quote_t* quote = &quotes.quotes[i];
-        check_quote(&alone, quote);
-        alone.asker.epoch_us = batch->asker.epoch_us; // which holds for all of them
+        check_quote(&alone.scenario, quote);
+        alone.scenario.asker.epoch_us = batch->asker.epoch_us; // which holds for all of them
         ssv_answer(&alone, &planner, answer);
         const lcm_ssv_quote_t* of_plan = &answer->wire.quote;
         if (of_plan->status == LCM_SSV_QUOTE_T_STATUS_OK) {
@@ -236,14 +258,15 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     static ssv_answer_t answer;
     static lcm_ssv_scenario_t scenarios[SSV_MAX_BATCH];
+    static lcm_ssv_task_t task;
     lcm_ssv_scenario_batch_t batch;
     if (num_inputs++ == 0) {
         atexit(print_shares);
     }
     if (ssv_scenario_batch_decode(data, size, scenarios, &batch)) {
         num_legal += quote_all(&batch, &answer);
-    } else if (size <= INT32_MAX && lcm_ssv_scenario_t_decode(data, 0, (int)size, &scenarios[0]) == (int)size) {
-        plan_one(&scenarios[0], &answer);
+    } else if (size <= INT32_MAX && lcm_ssv_task_t_decode(data, 0, (int)size, &task) == (int)size) {
+        plan_one(&task, &answer);
         num_legal += is_legal(&answer.wire.quote);
     }
     return 0;

@@ -99,10 +99,41 @@ static void mutate_heights(lcm_ssv_scenario_t* scenario) {
     }
 }
 
-static void mutate(lcm_ssv_scenario_t* scenario) {
+/// One obstacle more, less, or moved: near where something starts, ends or passes; or another tank.
+static void mutate_scene(lcm_ssv_scenario_t* scenario, lcm_ssv_scene_t* scene) {
+    const double* const places[] = {scenario->X_IS.p_m, scenario->X_IB.p_m, scenario->port.p_IP_m};
+    const int number = random_below(scene->num_obstacles > 0 ? scene->num_obstacles : 1);
+    lcm_ssv_obstacle_t* obstacle = &scene->obstacles[number];
+    switch (random_below(8)) {
+        case 0: scene->num_obstacles = (int8_t)random_below(65); break;
+        case 1: scenario->obstacles = (int64_t)random_bits(); break;
+        case 2: scenario->left = (int64_t)random_bits(); break;
+        case 3: obstacle->kind = (int8_t)random_below(2); break;
+        case 4: scene->tank.kind = (int8_t)random_below(3); break;
+        case 5:
+            for (int i = 0; i < 3; i++) {
+                scene->tank.from_I_m[i] = random_value(-10, -1000, 1000);
+                scene->tank.to_I_m[i] = random_value(10, -1000, 1000);
+            }
+            scene->tank.radius_m = random_value(10, 0.001, 1000);
+            break;
+        default:
+            scene->num_obstacles = (int8_t)(scene->num_obstacles < 1 ? 1 : scene->num_obstacles);
+            scenario->obstacles |= INT64_C(1) << number;
+            for (int i = 0; i < 3; i++) {
+                obstacle->p_I_m[i] = places[random_below(3)][i] + random_value(1, -10, 10);
+                obstacle->axis_I[i] = 2 * random_unit() - 1;
+            }
+            obstacle->length_m = random_value(1, 0, 1000);
+            obstacle->radius_m = random_value(0.1, 0, 100);
+            break;
+    }
+}
+
+static void mutate(lcm_ssv_scenario_t* scenario, lcm_ssv_scene_t* scene) {
     const int changes = 1 + random_below(3);
     for (int i = 0; i < changes; i++) {
-        switch (random_below(16)) {
+        switch (random_below(20)) {
             case 0: mutate_thrusters(&scenario->vehicle); break;
             case 1: mutate_to_coincide(scenario); break;
             case 2: mutate_options(&scenario->options); break;
@@ -111,24 +142,29 @@ static void mutate(lcm_ssv_scenario_t* scenario) {
             case 5: // one weight alone
                 *(random_below(2) ? &scenario->weight_time_per_s : &scenario->weight_impulse_per_Ns) = 0;
                 break;
+            case 6:
+            case 7:
+            case 8:
+            case 9: mutate_scene(scenario, scene); break;
             default: mutate_numbers(scenario); break;
         }
     }
-    scenario_repair(scenario);
+    scenario_repair(scenario, scene);
 }
 
 size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t max_size, unsigned seed) {
     static lcm_ssv_scenario_t scenarios[SSV_MAX_BATCH];
-    lcm_ssv_scenario_batch_t batch;
+    static lcm_ssv_scenario_batch_t batch;
+    static lcm_ssv_task_t task;
     random_state = seed;
     if (random_below(16) != 0 && size <= INT32_MAX) {
         int encoded = -1;
         if (ssv_scenario_batch_decode(data, size, scenarios, &batch)) {
-            mutate(&scenarios[random_below(batch.num_scenarios)]);
+            mutate(&scenarios[random_below(batch.num_scenarios)], &batch.scene);
             encoded = lcm_ssv_scenario_batch_t_encode(data, 0, (int)max_size, &batch);
-        } else if (lcm_ssv_scenario_t_decode(data, 0, (int)size, &scenarios[0]) == (int)size) {
-            mutate(&scenarios[0]);
-            encoded = lcm_ssv_scenario_t_encode(data, 0, (int)max_size, &scenarios[0]);
+        } else if (lcm_ssv_task_t_decode(data, 0, (int)size, &task) == (int)size) {
+            mutate(&task.scenario, &task.scene);
+            encoded = lcm_ssv_task_t_encode(data, 0, (int)max_size, &task);
         }
         if (encoded > 0) {
             return (size_t)encoded;

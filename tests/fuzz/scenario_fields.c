@@ -31,6 +31,15 @@ const scenario_field_t scenario_fields[] = {
     FIELD(thrust_reserve, 1, 0, 0x1.cccccp-1), // below 0.9 in every scalar
     FIELD(options.attach_heights_m, 8, -50, 50),
     FIELD(options.ring_angle_rad, 1, -6.28, 6.28),
+    FIELD(margin_m, 1, 0, 10),
+    FIELD(approach_mate_m, 1, 0, 10),
+    FIELD(approach_dock_m, 1, 0, 10),
+    FIELD(contact_speed_max_m_s, 1, 0, 100),
+    FIELD(transit_speed_max_m_s, 1, 0, 100),
+    FIELD(transit_rate_max_rad_s, 1, 0, 100),
+    FIELD(transfer_speed_max_m_s, 1, 0, 100),
+    FIELD(transfer_beam_speed_max_m_s, 1, 0, 100),
+    FIELD(transfer_rate_max_rad_s, 1, 0, 100),
 };
 const int num_scenario_fields = (int)(sizeof scenario_fields / sizeof scenario_fields[0]);
 
@@ -57,7 +66,39 @@ static void to_unit_length(double* v, int count) {
     }
 }
 
-void scenario_repair(lcm_ssv_scenario_t* scenario) {
+// Axes of a scene are taken as they stand, so a rounding is all that they may be off.
+static void to_exact_unit_length(double* v) {
+    to_unit_length(v, 3);
+    const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int i = 0; i < 3; i++) {
+        v[i] /= length;
+    }
+}
+
+static void repair_scene(lcm_ssv_scenario_t* scenario, lcm_ssv_scene_t* scene) {
+    scene->num_obstacles = (int8_t)clamped(scene->num_obstacles, 0, 64);
+    scenario->obstacles &= scene->num_obstacles == 64 ? -1 : (INT64_C(1) << scene->num_obstacles) - 1;
+    for (int k = 0; k < scene->num_obstacles; k++) {
+        lcm_ssv_obstacle_t* obstacle = &scene->obstacles[k];
+        obstacle->kind = (int8_t)clamped(obstacle->kind, LCM_SSV_OBSTACLE_T_KIND_CAPSULE, LCM_SSV_OBSTACLE_T_KIND_WALL);
+        obstacle->length_m = clamped(obstacle->length_m, 0, 1000);
+        obstacle->radius_m = clamped(obstacle->radius_m, 0, 100);
+        to_exact_unit_length(obstacle->axis_I);
+        for (int i = 0; i < 3; i++) {
+            obstacle->p_I_m[i] = clamped(obstacle->p_I_m[i], -1000, 1000);
+        }
+    }
+    lcm_ssv_tank_t* tank = &scene->tank;
+    tank->kind = (int8_t)clamped(tank->kind, LCM_SSV_TANK_T_KIND_NONE, LCM_SSV_TANK_T_KIND_CYLINDER);
+    tank->radius_m = clamped(tank->radius_m, 0.001, 1000);
+    for (int i = 0; i < 3; i++) {
+        tank->from_I_m[i] = clamped(tank->from_I_m[i], -1000, 1000);
+        tank->to_I_m[i] = clamped(tank->to_I_m[i], tank->from_I_m[i], 1000);
+    }
+}
+
+void scenario_repair(lcm_ssv_scenario_t* scenario, lcm_ssv_scene_t* scene) {
+    repair_scene(scenario, scene);
     for (int k = 0; k < num_scenario_fields; k++) {
         double* number = scenario_field_of(scenario, &scenario_fields[k]);
         for (int i = 0; i < scenario_fields[k].count; i++) {

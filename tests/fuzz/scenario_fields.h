@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include "lcm_ssv_scenario_t.h"
+#include "lcm_ssv_task_t.h"
 
 typedef struct {
     const char* name;
@@ -20,8 +20,8 @@ extern const int num_scenario_fields;
 double* scenario_field_of(lcm_ssv_scenario_t* scenario, const scenario_field_t* field);
 
 /// Makes agree what has to agree among the fields: heights lie on the beam, some weight is positive, directions and
-/// quaternions have length 1, choices are ones that exist. Of what makes an answer many times slower (effort best,
-/// heights between the rings, a front) one remains, so that a fuzzer gets on.
-void scenario_repair(lcm_ssv_scenario_t* scenario);
+/// quaternions have length 1, choices are ones that exist, the scene's too. Of what makes an answer many times slower
+/// (effort best, heights between the rings, a front) one remains, so that a fuzzer gets on.
+void scenario_repair(lcm_ssv_scenario_t* scenario, lcm_ssv_scene_t* scene);
 
 #endif

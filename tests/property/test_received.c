@@ -67,7 +67,7 @@ static void check_motion(int way) {
         ssv_scenario_t scenario = sample_scenario();
         scenario.method = way == 0 ? SSV_METHOD_PAPER : SSV_METHOD_OPTIMAL;
         scenario.effort = way == 2 ? SSV_EFFORT_BEST : SSV_EFFORT_QUICK;
-        const lcm_ssv_scenario_t question = question_of(&scenario);
+        const lcm_ssv_task_t question = question_of(&scenario);
         snprintf(label, sizeof label, "seed %d, way %d, task %d", SEED, way, k);
         if (ssv_answer(&question, &planner, &answer) != SSV_OK) continue;
         receive(&answer.wire, &received);
@@ -93,13 +93,13 @@ static void test_a_thrust_reserve_is_kept_and_costs_what_weaker_thrusters_would(
     for (int k = 0; k < count; k++) {
         ssv_scenario_t scenario = sample_scenario();
         scenario.method = k % 2 == 0 ? SSV_METHOD_OPTIMAL : SSV_METHOD_PAPER;
-        lcm_ssv_scenario_t question = question_of(&scenario);
-        question.thrust_reserve = 0.2;
-        const double force_max_N = question.vehicle.force_max_N;
+        lcm_ssv_task_t question = question_of(&scenario);
+        question.scenario.thrust_reserve = 0.2;
+        const double force_max_N = question.scenario.vehicle.force_max_N;
         snprintf(label, sizeof label, "seed %d, task %d", SEED + 10, k);
         const ssv_status_t status = ssv_answer(&question, &planner, &answer);
-        question.thrust_reserve = 0;
-        question.vehicle.force_max_N = force_max_N * (1 - 0.2);
+        question.scenario.thrust_reserve = 0;
+        question.scenario.vehicle.force_max_N = force_max_N * (1 - 0.2);
         TEST_ASSERT_EQUAL_INT_MESSAGE(status, ssv_answer(&question, &planner, &other), label);
         if (status != SSV_OK) continue;
         plans++;

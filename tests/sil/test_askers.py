@@ -49,10 +49,18 @@ def scenario(plan_json, asker_id, request_id, epoch_us=0):
     del fields["asker"]
     fields["options"]["method"] = ("optimal", "paper").index(fields["options"]["method"])
     fields["options"]["effort"] = ("quick", "best").index(fields["options"]["effort"])
+    fields["obstacles"], fields["left"] = int(fields["obstacles"], 16), int(fields["left"], 16)
     q = ssv.scenario_t()
     fill(q, fields)
     q.asker.asker_id, q.asker.request_id, q.asker.epoch_us = asker_id, request_id, epoch_us
     return q
+
+
+def task(scenario):
+    """The question for a plan of it, with nothing around."""
+    message = ssv.task_t()
+    message.scenario = scenario
+    return message
 
 
 class Bus(unittest.TestCase):
@@ -85,7 +93,10 @@ class Bus(unittest.TestCase):
         subscription = bus.subscribe(channel, on)
         end = time.monotonic() + 30
         while not got and time.monotonic() < end:
-            bus.publish("SSV_SCENARIO" if isinstance(q, ssv.scenario_t) else "SSV_SCENARIO_BATCH", q.encode())
+            if isinstance(q, ssv.scenario_t):
+                bus.publish("SSV_SCENARIO", task(q).encode())
+            else:
+                bus.publish("SSV_SCENARIO_BATCH", q.encode())
             bus.handle_timeout(500)
         bus.unsubscribe(subscription)
         self.assertTrue(got, "nobody answered")

@@ -64,6 +64,15 @@ def question(request_id, epoch_us=0, asker_id=0):
     return q
 
 
+def message(q, scene=None):
+    """What goes over LCM to ask q: a batch or a task as it is, a scenario with what stands around."""
+    if not isinstance(q, ssv.scenario_t):
+        return q
+    task = ssv.task_t()
+    task.scenario, task.scene = q, scene or ssv.scene_t()
+    return task
+
+
 def batch(request_id, scenarios, epoch_us=0, asker_id=0):
     b = ssv.scenario_batch_t()
     b.asker.asker_id, b.asker.request_id, b.asker.epoch_us = asker_id, request_id, epoch_us
@@ -145,23 +154,25 @@ class Daemon:
         self.wait_until(lambda: len(self.statuses) >= seen + 2)
         return self.statuses[-1]
 
-    def send(self, q):
-        self.lcm.publish(BATCH if isinstance(q, ssv.scenario_batch_t) else SCENARIO, q.encode())
+    def send(self, q, scene=None):
+        self.lcm.publish(BATCH if isinstance(q, ssv.scenario_batch_t) else SCENARIO, message(q, scene).encode())
 
     def answers_to(self, q):
-        return (self.quotes if isinstance(q, ssv.scenario_batch_t) else self.answers).get(q.asker.request_id, [])
+        asker = q.scenario.asker if isinstance(q, ssv.task_t) else q.asker
+        return (self.quotes if isinstance(q, ssv.scenario_batch_t) else self.answers).get(asker.request_id, [])
 
-    def ask_all(self, questions):
-        """Sends them in one burst, and those without an answer again. @return the answers, in order."""
+    def ask_all(self, questions, scene=None):
+        """Sends them in one burst, and those without an answer again; a scene is for every scenario that is none of a
+        batch. @return the answers, in order."""
         before = [len(self.answers_to(q)) for q in questions]
         end = time.monotonic() + DEADLINE_S
         missing = list(zip(questions, before))
         while missing:
             if time.monotonic() > end or self.process.poll() is not None:
-                raise AssertionError(f"no answer to {[q.asker.request_id for q, _ in missing][:5]}... (exit code "
+                raise AssertionError(f"no answer to {len(missing)} of {len(questions)} questions (exit code "
                                      f"{self.process.poll()}). The log ends:\n" + self.said()[-3000:])
             for q, _ in missing:
-                self.send(q)
+                self.send(q, scene)
             resend = time.monotonic() + RESEND_S
             while time.monotonic() < resend and self.process.poll() is None and missing:
                 self.lcm.handle_timeout(100)
@@ -169,8 +180,8 @@ class Daemon:
         return [(ssv.quote_batch_t if isinstance(q, ssv.scenario_batch_t) else ssv.plan_t).decode(self.answers_to(q)[-1])
                 for q in questions]
 
-    def ask(self, q):
-        return self.ask_all([q])[0]
+    def ask(self, q, scene=None):
+        return self.ask_all([q], scene)[0]
 
     def raw_sender(self):
         s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -556,7 +567,7 @@ class Batches(DaemonTest):
         whole = lambda count: counted(count) + (count - 2) * question(0).encode()[8:]
         rng = random.Random(SEED)
         malformed = [counted(count) for count in (0, 1, 3, 16, 17, -1, -2**31, 2**31 - 1)]
-        malformed += [whole(17), whole(60), counted(0)[:44], question(0).encode(), b"", rng.randbytes(1594)]
+        malformed += [whole(17), whole(60), counted(0)[:44], message(question(0)).encode(), b"", rng.randbytes(1594)]
         malformed += [good[:length] for length in range(0, len(good), 61)] + [good + b"\0", rng.randbytes(8) + good[8:]]
         malformed += [good[:8] + rng.randbytes(rng.randrange(3000)) for _ in range(200)]
         for channel, data in [(BATCH, data) for data in malformed] + [(SCENARIO, good)]:
@@ -612,7 +623,7 @@ class Junk(DaemonTest):
 
     def junk(self, count):
         r = self.random
-        good = question(r.getrandbits(62)).encode()
+        good = message(question(r.getrandbits(62))).encode()
         good_batch = batch(r.getrandbits(62), [question(1), question(2)]).encode()
         named, named_batch = SCENARIO.encode() + b"\0", BATCH.encode() + b"\0"
         short = lambda name, payload: struct.pack(">II", SHORT_MAGIC, r.getrandbits(32)) + name + payload
@@ -656,7 +667,7 @@ class Junk(DaemonTest):
         daemon = self.start()
         with daemon.raw_sender() as raw:
             for channel, q in ((SCENARIO, question(1)), (BATCH, batch(1, [question(1)]))):
-                unwanted = struct.pack(">II", SHORT_MAGIC, 0) + channel.replace("SSV_", "OLD_").encode() + b"\0" + q.encode()
+                unwanted = struct.pack(">II", SHORT_MAGIC, 0) + channel.replace("SSV_", "OLD_").encode() + b"\0" + message(q).encode()
                 raw.send(unwanted)
                 raw.send(unwanted[:8] + b"SSV_")
         status = daemon.next_status()
@@ -664,9 +675,9 @@ class Junk(DaemonTest):
         self.assert_alive(daemon)
 
     def malformed(self, count):
-        """Scenarios that decode: half of them noise, half with a few numbers of the nasty kind in a good one."""
+        """Tasks that decode: half of them noise, half with a few numbers of the nasty kind in a good one."""
         r = self.random
-        good = question(0).encode()
+        good = message(question(0)).encode()
         nasty = (NAN, INF, -INF, 0.0, -0.0, 5e-324, -5e-324, 2.2e-308, 1.7e308, -1.7e308, 1e-9, -1e-9, 1e9, -1.0, 2.0**53)
         for i in range(count):
             head = good[:8] + struct.pack(">4q", 0, i, 0, 0)
@@ -683,7 +694,7 @@ class Junk(DaemonTest):
         tally = {}
         batch = []
         for data in self.malformed(10_000):
-            batch.append(ssv.scenario_t.decode(data))
+            batch.append(ssv.task_t.decode(data))
             if len(batch) == 50:
                 for quote in (plan.quote for plan in daemon.ask_all(batch)):
                     self.assertIn(quote.status, (OK, INFEASIBLE, INVALID))
@@ -710,9 +721,9 @@ class Process(DaemonTest):
         first, *_, last = daemon.statuses[seen:]
         self.assertAlmostEqual((last.uptime_us - first.uptime_us) / 1e6 / (len(daemon.statuses) - seen - 1), 1, delta=0.3)
         type_hash = lambda t: struct.unpack(">q", t._get_packed_fingerprint())[0]
-        self.assertEqual((last.scenario_type_hash, last.plan_type_hash, last.scenario_batch_type_hash,
+        self.assertEqual((last.task_type_hash, last.plan_type_hash, last.scenario_batch_type_hash,
                           last.quote_batch_type_hash, last.planner_status_type_hash),
-                         tuple(map(type_hash, (ssv.scenario_t, ssv.plan_t, ssv.scenario_batch_t, ssv.quote_batch_t,
+                         tuple(map(type_hash, (ssv.task_t, ssv.plan_t, ssv.scenario_batch_t, ssv.quote_batch_t,
                                                ssv.planner_status_t))))
         self.assertEqual(f"ssv-plannerd {last.planner.version} (double)\n", self.run_daemon("--version").stdout)
         self.assertEqual(last.planner.scalar, ssv.planner_t.SCALAR_DOUBLE)
@@ -770,7 +781,7 @@ class Process(DaemonTest):
             thread.join()
 
     def test_sigterm_ends_it_while_scenarios_pour_in(self):
-        good = question(0).encode()
+        good = message(question(0)).encode()
         self.assert_sigterm_ends_it_under_a_flood(lambda i: good[:16] + struct.pack(">q", i) + good[24:],
                                                   lambda status: status.accepted > 20)
 

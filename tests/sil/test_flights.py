@@ -43,8 +43,7 @@ def fill(message, values):
             size = len(getattr(message, key))
             setattr(message, key, (value + [0.0] * size)[:size])
         elif isinstance(value, str):
-            if key in ("method", "effort"):
-                setattr(message, key, WORDS[value])
+            setattr(message, key, WORDS[value] if key in ("method", "effort") else int(value, 16))
         else:
             setattr(message, key, value)
 
@@ -88,7 +87,9 @@ class Tank:
         question.asker.asker_id, question.asker.request_id, question.asker.epoch_us = 7, request_id, epoch_us
         question.asker.planner_id = self.status.planner.planner_id if planner_id is None else planner_id
         self.plan = None
-        self.lcm.publish("SSV_EXECUTE", question.encode())
+        task = ssv.task_t()
+        task.scenario = question
+        self.lcm.publish("SSV_EXECUTE", task.encode())
         self.wait(lambda: self.plan is not None and self.plan.answer.asker.request_id == request_id, 10)
         return self.plan
 

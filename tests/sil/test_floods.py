@@ -11,7 +11,7 @@ import unittest
 import lcm
 
 import ssv
-from test_askers import BIN, LONG, Bus, scenario
+from test_askers import BIN, LONG, Bus, scenario, task
 
 FLOOD_PER_S = 10_000
 FLOOD_S = 20 if LONG else 6
@@ -39,7 +39,7 @@ class Floods(Bus):
         for number in range(12):  # minutes of work, of one asker
             q = slow(self.here)
             q.asker.request_id, q.weight_time_per_s = number + 1, 1 + number / 100
-            bus.publish("SSV_SCENARIO", q.encode())
+            bus.publish("SSV_SCENARIO", task(q).encode())
         waits = []
         for number in range(6):
             start = time.monotonic()
@@ -75,7 +75,7 @@ class Floods(Bus):
                 due = int((time.monotonic() - start) * FLOOD_PER_S)
                 for _ in range(max(0, min(due - sent, 500))):
                     q.asker.request_id += 1
-                    flooder.publish("SSV_SCENARIO", q.encode())
+                    flooder.publish("SSV_SCENARIO", task(q).encode())
                     sent += 1
                 time.sleep(0.002)
 

@@ -95,7 +95,9 @@ def start_planner(test, url):
 # By key and, where two types have that key, by one beside it.
 WORDS = {"status": ("ok", "infeasible", "invalid", "numeric_overflow"), "phase": ("transit", "transfer"),
          "ramp": ("full_reverse", "drag_only", "optimal"), "method": ("optimal", "paper"), "scalar": ("double", "float", "fixed"), "effort": ("quick", "best"),
-         ("kind", "phase"): ("translate", "turn", "screw"), ("kind", "t_s"): ("mate", "dock")}
+         ("kind", "phase"): ("translate", "turn", "screw"), ("kind", "t_s"): ("mate", "dock"),
+         ("kind", "axis_I"): ("capsule", "wall"), ("kind", "to_I_m"): ("none", "box", "cylinder"),
+         ("body", "obstacle"): ("vehicle", "beam")}
 
 
 def in_json(wire):
@@ -107,8 +109,14 @@ def in_json(wire):
     fields = {}
     for key, value in wire.items():
         words = next((WORDS[name] for name in WORDS if name == key or (name[0] == key and name[1] in wire)), None)
-        fields[key] = (f"{value % 2**64:016x}" if key.endswith(("_hash", "_id")) else words[value] if words else in_json(value))
+        is_bits = key.endswith(("_hash", "_id")) or key == "left" or (key == "obstacles" and "left" in wire)
+        fields[key] = f"{value % 2**64:016x}" if is_bits else words[value] if words else in_json(value)
     return fields
+
+
+def scene_in_json(wire):
+    """Likewise of a scene, of which as many obstacles are some as it counts."""
+    return in_json(wire | {"obstacles": wire["obstacles"][:wire["num_obstacles"]]})
 
 
 class WatchingThePlanner(unittest.TestCase):
@@ -136,8 +144,9 @@ class WatchingThePlanner(unittest.TestCase):
         request_id = int.from_bytes(bytes.fromhex(received["plan"]["answer"]["asker"]["request_id"]), signed=True)
 
         scenario = probe.wait_for("the question", lambda m: m["channel"] == SCENARIO)
-        self.assertEqual(scenario["type"], "ssv.scenario_t")
-        self.assertEqual(in_json(scenario["fields"]), received["scenario"])
+        self.assertEqual(scenario["type"], "ssv.task_t")
+        self.assertEqual(in_json(scenario["fields"]["scenario"]), received["scenario"])
+        self.assertEqual(scene_in_json(scenario["fields"]["scene"]), received["scene"])
         plan = probe.wait_for("the plan", lambda m: m["channel"] == PLAN)
         self.assertEqual(plan["type"], "ssv.plan_t")
         self.assertEqual(in_json(plan["fields"]), received["plan"])
@@ -151,7 +160,7 @@ class WatchingThePlanner(unittest.TestCase):
         self.assertEqual([after[name] for name in after if name.startswith("rejected") or name == "infeasible"], [0] * 9)
         self.assertGreater(after["uptime_us"], status["fields"]["uptime_us"])
 
-        self.assertEqual((after["scenario_type_hash"], after["plan_type_hash"], after["planner_status_type_hash"]),
+        self.assertEqual((after["task_type_hash"], after["plan_type_hash"], after["planner_status_type_hash"]),
                          (scenario["type_hash"], plan["type_hash"], status_after["type_hash"]))
 
     def test_lcm_spy_shows_batches_and_their_quotes(self):

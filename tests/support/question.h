@@ -2,10 +2,10 @@
 #ifndef TESTS_QUESTION_H
 #define TESTS_QUESTION_H
 
-#include "lcm_ssv_scenario_t.h"
+#include "lcm_ssv_task_t.h"
 #include "ssv/planner.h"
 
-/// The message that ssv_scenario_from_wire makes this scenario of; asked by an asker with a name.
-lcm_ssv_scenario_t question_of(const ssv_scenario_t* scenario);
+/// The message that ssv_scenario_from_wire makes this scenario of, with its scene; asked by an asker with a name.
+lcm_ssv_task_t question_of(const ssv_scenario_t* scenario);
 
 #endif

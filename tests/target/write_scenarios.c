@@ -1,6 +1,6 @@
 /// Writes scenario files as a C table, for programs on cores without files: write_scenarios MODELS_DIR FILE... >
 /// shipped.h The numbers are the doubles that go over the wire, to the last bit; REAL() rounds them to the scalar of
-/// whoever compiles the table. Exit codes: 0, 1 if a file is refused, 64 if none is given.
+/// whoever compiles the table. Scenes are left out. Exit codes: 0, 1 if a file is refused, 64 if none is given.
 #include <stdio.h>
 #include <string.h>
 
@@ -41,16 +41,16 @@ int main(int argc, char** argv) {
         "#include \"ssv/planner.h\"\n\n"
         "static const struct {\n    const char* name;\n    ssv_scenario_t scenario;\n} shipped[] = {");
     for (int i = 2; i < argc; i++) {
-        lcm_ssv_scenario_t scenario;
+        lcm_ssv_task_t task;
         char error[1024];
-        if (!scenario_file_read(argv[i], argv[1], &scenario, error, sizeof error)) {
+        if (!scenario_file_read(argv[i], argv[1], &task, error, sizeof error)) {
             fprintf(stderr, "%s\n", error);
             return 1;
         }
         const char* const slash = strrchr(argv[i], '/');
         const char* const name = slash == NULL ? argv[i] : slash + 1;
         printf("    {\"%.*s\",\n     {\n", (int)strcspn(name, "."), name);
-        print_scenario(&scenario);
+        print_scenario(&task.scenario);
         puts("     }},");
     }
     puts("};");

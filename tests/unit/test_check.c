@@ -15,7 +15,7 @@
 
 static const lcm_ssv_planner_t planner = {.planner_id = 7, .version = (char[]){"0"}};
 static ssv_answer_t answer;
-static lcm_ssv_scenario_t question;
+static lcm_ssv_task_t question;
 static char reason[SSV_CHECK_REASON_SIZE], label[96];
 
 void setUp(void) {}
@@ -31,8 +31,8 @@ static void check_passes(int way) {
         scenario.attach_anywhere = way == 1 && k % 4 == 0;
         scenario.thrust_reserve = k % 3 == 0 ? REAL(0.2) : REAL(0);
         question = question_of(&scenario);
-        question.options.want_candidates = (int8_t)(k % 2);
-        question.options.want_front = way == 1 && k % 10 == 0;
+        question.scenario.options.want_candidates = (int8_t)(k % 2);
+        question.scenario.options.want_front = way == 1 && k % 10 == 0;
         ssv_answer(&question, &planner, &answer);
         snprintf(label, sizeof label, "seed %d, task %d, way %d", SEED, k, way);
         const bool passes = ssv_check_plan(&question, &answer.wire, reason);
@@ -71,7 +71,7 @@ static void another_asker(void) { answer.wire.answer.asker.asker_id++; }
 static void another_request(void) { answer.wire.answer.asker.request_id++; }
 static void another_hash(void) { answer.wire.answer.question_hash++; }
 static void no_planner(void) { answer.wire.answer.planner.planner_id = 0; }
-static void another_planner(void) { question.asker.planner_id = 8; }
+static void another_planner(void) { question.scenario.asker.planner_id = 8; }
 static void no_scalar(void) { answer.wire.answer.planner.scalar = 3; }
 static void no_status(void) { quote()->status = 9; }
 static void refusal_with_a_motion(void) {
@@ -92,7 +92,7 @@ static void time_that_is_no_number(void) { quote()->time_s = (double)NAN; }
 static void endless_impulse(void) { quote()->impulse_Ns = (double)INFINITY; }
 static void candidates_not_asked_for(void) { quote()->num_candidates = 1; }
 static void front_not_asked_for(void) { quote()->num_front = 1; }
-static void too_strong(void) { answer.wire.segments[0].u_start_N[0] = 0.76 * question.vehicle.force_max_N; }
+static void too_strong(void) { answer.wire.segments[0].u_start_N[0] = 0.76 * question.scenario.vehicle.force_max_N; }
 static void thrust_that_is_no_number(void) { answer.wire.segments[3].u_end_N[2] = (double)NAN; }
 static void gap_in_time(void) { answer.wire.segments[4].t_s += 0.01; }
 static void gap_between_legs(void) { answer.wire.legs[1].t_start_s += 0.01; }
@@ -181,14 +181,14 @@ static void test_each_kind_of_forgery_is_refused_with_its_own_reason(void) {
 
 static void test_another_question_than_the_one_answered_is_told_by_its_hash(void) {
     answer_case_study();
-    question.weight_impulse_per_Ns *= 2;
+    question.scenario.weight_impulse_per_Ns *= 2;
     TEST_ASSERT_FALSE(ssv_check_plan(&question, &answer.wire, reason));
     TEST_ASSERT_EQUAL_STRING_LEN("question_hash", reason, strlen("question_hash"));
 }
 
 static void test_a_refusal_of_the_question_is_an_answer(void) {
     answer_case_study();
-    question.contact = 3;
+    question.scenario.contact = 3;
     ssv_answer(&question, &planner, &answer);
     TEST_ASSERT_EQUAL_INT(LCM_SSV_QUOTE_T_STATUS_INVALID, answer.wire.quote.status);
     TEST_ASSERT_TRUE_MESSAGE(ssv_check_plan(&question, &answer.wire, reason), reason);
@@ -200,7 +200,7 @@ static void test_quotes_pass_and_those_of_another_count_hash_or_price_do_not(voi
     sample_seed(SEED + 1);
     for (int i = 0; i < 3; i++) {
         const ssv_scenario_t scenario = sample_scenario();
-        scenarios[i] = question_of(&scenario);
+        scenarios[i] = question_of(&scenario).scenario;
     }
     const lcm_ssv_scenario_batch_t batch = {
         .asker = {.asker_id = 1, .request_id = 2}, .num_scenarios = 3, .scenarios = scenarios};

@@ -9,6 +9,7 @@
 #include "lcm_ssv_planner_status_t.h"
 #include "lcm_ssv_quote_batch_t.h"
 #include "lcm_ssv_scenario_batch_t.h"
+#include "lcm_ssv_task_t.h"
 #include "unity.h"
 #include "wire/message.h"
 #include "wire/names.h"
@@ -55,8 +56,10 @@ static void random_doubles(double* values, int count) {
 }
 
 static void random_candidate(lcm_ssv_candidate_t* candidate) {
-    *candidate = (lcm_ssv_candidate_t){(int8_t)random_bits(), random_double(), random_double(), random_text(),
-                                       random_double(),       random_double(), random_double()};
+    *candidate =
+        (lcm_ssv_candidate_t){(int8_t)random_bits(), random_double(), random_double(), random_text(),
+                              random_double(),       random_double(), random_double(), (int8_t)(random_bits() % 2),
+                              (int8_t)random_bits(), random_double()};
 }
 
 static lcm_ssv_candidate_t* random_candidates(int32_t* count, uint64_t most) {
@@ -137,6 +140,9 @@ static void random_plan(lcm_ssv_plan_t* plan) {
         plan->events[i] = (lcm_ssv_event_t){random_double(), (int8_t)(random_bits() % 2)};
     }
     random_pose(&plan->X_SB);
+    plan->clearance = (lcm_ssv_clearance_t){
+        random_double(),      random_double(), (int8_t)random_bits(), random_double(), (int8_t)(random_bits() % 2),
+        (int8_t)random_bits()};
 }
 
 static void random_body(lcm_ssv_body_t* body) {
@@ -165,6 +171,10 @@ static void random_scenario(lcm_ssv_scenario_t* scenario) {
     random_doubles(scenario->options.attach_heights_m, 8);
     scenario->options.attach_anywhere = (int8_t)(random_bits() % 2);
     scenario->options.want_front = (int8_t)(random_bits() % 2);
+    scenario->obstacles = (int64_t)random_bits();
+    scenario->left = (int64_t)random_bits();
+    random_doubles(&scenario->margin_m, 1);
+    random_doubles(&scenario->transfer_rate_max_rad_s, 1);
 }
 
 /// The text of {"it": message}, which the caller frees.
@@ -206,21 +216,79 @@ static void test_random_plans_come_back_from_json_bit_for_bit(void) {
     }
 }
 
-static void test_random_scenarios_come_back_from_json_bit_for_bit(void) {
+/// Of what is beyond the count nothing comes back, so nothing is there.
+static void random_scene(lcm_ssv_scene_t* scene) {
+    memset(scene, 0, sizeof *scene);
+    scene->num_obstacles = (int8_t)(random_bits() % 65);
+    for (int i = 0; i < scene->num_obstacles; i++) {
+        lcm_ssv_obstacle_t* const obstacle = &scene->obstacles[i];
+        obstacle->kind = (int8_t)(random_bits() % 2);
+        random_doubles(obstacle->p_I_m, 3);
+        random_doubles(obstacle->axis_I, 3);
+        random_doubles(&obstacle->length_m, 1);
+        random_doubles(&obstacle->radius_m, 1);
+    }
+    scene->tank.kind = (int8_t)(random_bits() % 3);
+    random_doubles(scene->tank.from_I_m, 3);
+    random_doubles(scene->tank.to_I_m, 3);
+    random_doubles(&scene->tank.radius_m, 1);
+}
+
+static void test_random_tasks_come_back_from_json_bit_for_bit(void) {
     for (int k = 0; k < NUM_CASES; k++) {
-        uint8_t before[1024], after[1024];
+        uint8_t before[8192], after[8192];
         char error[512];
-        lcm_ssv_scenario_t scenario, again;
+        lcm_ssv_task_t task, again;
         state = SEED + (uint64_t)k;
-        random_scenario(&scenario);
-        char* const text = text_of("scenario_t", &scenario);
-        const wire_part_t part = {"it", "scenario_t", &again};
+        random_scenario(&task.scenario);
+        random_scene(&task.scene);
+        char* const text = text_of("task_t", &task);
+        const wire_part_t part = {"it", "task_t", &again};
         TEST_ASSERT_TRUE_MESSAGE(wire_json_read("text", text, strlen(text), &part, 1, error, sizeof error), error);
-        const int size = lcm_ssv_scenario_t_encode(before, 0, sizeof before, &scenario);
-        TEST_ASSERT_EQUAL_INT(size, lcm_ssv_scenario_t_encode(after, 0, sizeof after, &again));
+        const int size = lcm_ssv_task_t_encode(before, 0, sizeof before, &task);
+        TEST_ASSERT_GREATER_THAN_INT(0, size);
+        TEST_ASSERT_EQUAL_INT(size, lcm_ssv_task_t_encode(after, 0, sizeof after, &again));
         TEST_ASSERT_EQUAL_MEMORY(before, after, (size_t)size);
+        TEST_ASSERT_TRUE(wire_is_message("task_t", before, (size_t)size));
         free(text);
     }
+}
+
+static void test_a_scene_holds_as_many_obstacles_as_it_counts(void) {
+    static const struct {
+        const char *key, *value, *refusal;
+    } wrong[] = {
+        {"num_obstacles", "3", "text: it.obstacles: 2 entries, there must be exactly 3"},
+        {"num_obstacles", "65", "text: it.obstacles: 65 entries are counted, there may be 0 to 64"},
+        {"num_obstacles", "-1", "text: it.obstacles: -1 entries are counted, there may be 0 to 64"},
+        {"num_obstacles", "200", "text: it.num_obstacles: 200 is outside [-128, 127]"},
+        {"obstacles", "{}", "text: it.obstacles: not a list of 2"},
+    };
+    const lcm_ssv_scene_t scene = {.num_obstacles = 2, .obstacles = {{.kind = 1}, {.radius_m = 0.5}, {.length_m = 9}}};
+    json_t* const whole = wire_to_json("scene_t", &scene);
+    TEST_ASSERT_EQUAL_INT(2, json_array_size(json_object_get(whole, "obstacles")));
+    for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
+        char error[512];
+        lcm_ssv_scene_t again;
+        json_t* const json = json_pack("{s:o}", "it", json_deep_copy(whole));
+        json_object_set_new(json_object_get(json, "it"), wrong[k].key,
+                            json_loads(wrong[k].value, JSON_DECODE_ANY, NULL));
+        char* const text = json_dumps(json, 0);
+        const wire_part_t part = {"it", "scene_t", &again};
+        TEST_ASSERT_FALSE(wire_json_read("text", text, strlen(text), &part, 1, error, sizeof error));
+        TEST_ASSERT_EQUAL_STRING(wrong[k].refusal, error);
+        free(text);
+        json_decref(json);
+    }
+    json_decref(whole);
+    // Whatever a message counts, nothing beyond its room is looked at.
+    const lcm_ssv_scene_t beyond = {.num_obstacles = 127}, below = {.num_obstacles = -128};
+    json_t* const most = wire_to_json("scene_t", &beyond);
+    json_t* const none = wire_to_json("scene_t", &below);
+    TEST_ASSERT_EQUAL_INT(64, json_array_size(json_object_get(most, "obstacles")));
+    TEST_ASSERT_EQUAL_INT(0, json_array_size(json_object_get(none, "obstacles")));
+    json_decref(most);
+    json_decref(none);
 }
 
 static void test_a_number_that_is_not_finite_is_no_json(void) {
@@ -353,6 +421,13 @@ static void test_each_word_is_that_of_its_constant(void) {
         {&names_method, LCM_SSV_OPTIONS_T_METHOD_PAPER, "paper"},
         {&names_effort, LCM_SSV_OPTIONS_T_EFFORT_QUICK, "quick"},
         {&names_effort, LCM_SSV_OPTIONS_T_EFFORT_BEST, "best"},
+        {&names_obstacle, LCM_SSV_OBSTACLE_T_KIND_CAPSULE, "capsule"},
+        {&names_obstacle, LCM_SSV_OBSTACLE_T_KIND_WALL, "wall"},
+        {&names_tank, LCM_SSV_TANK_T_KIND_NONE, "none"},
+        {&names_tank, LCM_SSV_TANK_T_KIND_BOX, "box"},
+        {&names_tank, LCM_SSV_TANK_T_KIND_CYLINDER, "cylinder"},
+        {&names_body, LCM_SSV_CLEARANCE_T_BODY_VEHICLE, "vehicle"},
+        {&names_body, LCM_SSV_CLEARANCE_T_BODY_BEAM, "beam"},
     };
     for (size_t k = 0; k < sizeof words / sizeof words[0]; k++) {
         TEST_ASSERT_EQUAL_STRING(words[k].word, name_of(words[k].names, words[k].value));
@@ -443,7 +518,8 @@ static void test_damaged_messages_that_pass_can_be_decoded(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_random_plans_come_back_from_json_bit_for_bit);
-    RUN_TEST(test_random_scenarios_come_back_from_json_bit_for_bit);
+    RUN_TEST(test_random_tasks_come_back_from_json_bit_for_bit);
+    RUN_TEST(test_a_scene_holds_as_many_obstacles_as_it_counts);
     RUN_TEST(test_a_number_that_is_not_finite_is_no_json);
     RUN_TEST(test_each_kind_of_fault_is_refused_with_its_path_and_leaves_nothing_behind);
     RUN_TEST(test_texts_that_are_no_such_json_are_refused);
