@@ -56,7 +56,7 @@ class Headers(unittest.TestCase):
     @unittest.skipUnless(os.environ["SSV_LCM_INCLUDE"], "built without LCM")
     def test_the_header_behind_the_wire_types_compiles_in_cxx_and_its_functions_have_c_names(self):
         source = self.file("answer.c", '#include "ssv/answer.h"\n'
-                           "void f(const lcm_ssv_scenario_t* q, ssv_answer_t* a) { ssv_answer_begin(q, 0, a); ssv_answer_refuse(\"\", a); }\n")
+                           "void f(const lcm_ssv_task_t* q, ssv_answer_t* a) { ssv_answer_begin(q, 0, a); ssv_answer_refuse(\"\", a); }\n")
         lcm = [f"-isystem{folder}" for folder in os.environ["SSV_LCM_INCLUDE"].split(",")]
         for language in CXX:
             with self.subTest(language=language):

@@ -9,9 +9,11 @@ import resource
 import signal
 import struct
 import subprocess
+import sys
 import tempfile
 import threading
 import time
+import types
 import unittest
 from pathlib import Path
 
@@ -19,9 +21,12 @@ import lcm
 
 BIN = Path(os.environ["SSV_BIN_DIR"])
 HOST = Path(os.environ["SSV_SOURCE_DIR"]) / "host"
+sys.path.insert(0, str(HOST.parent / "lcmtypes"))
+import sample_plan
 SCENARIOS = sorted((HOST / "scenarios").glob("*.yaml"))
 PAPER_CASE = HOST / "scenarios" / "paper_case.yaml"
 PORT1 = HOST / "scenarios" / "port1_contact2.yaml"
+CLEAR = sorted((HOST / "scenarios" / "clear").glob("*.yaml"))
 
 # Ports of our own, so that tests which run at the same time do not hear one another.
 LCM_PORT = 20000 + os.getpid() % 20000
@@ -228,7 +233,7 @@ class BadInputTest(InFolder):
         done = ssv("plan", path, "--format", "json")
         self.assertEqual(done.returncode, 3, done)
         answer = json.loads(done.stdout)
-        self.assertEqual(list(answer), ["scenario", "plan"])
+        self.assertEqual(list(answer), ["scenario", "scene", "plan"])
         quote = answer["plan"]["quote"]
         self.assertEqual((quote["status"], quote["cost"], answer["plan"]["legs"]), ("infeasible", 0, []))
         self.assertEqual(len(quote["candidates"]), 3)
@@ -321,6 +326,296 @@ class QuestionTest(InFolder):
                 path = self.folder / "changed.json"
                 path.write_text(json.dumps(changed, indent=1))
                 self.assert_refused(path, "changed.json:", *words)
+
+
+HUB_RADIUS_M, BEAM_RADIUS_M, BEAM_LENGTH_M, HULL_RADIUS_M = 0.1905, 0.0606, 3.048, 0.3025
+
+
+def to_line(p, obstacle):
+    """From a point to the surface of an obstacle; of the tank's walls that of the nearest."""
+    away = [a - b for a, b in zip(p, obstacle["p_I_m"])]
+    along = sum(a * b for a, b in zip(away, obstacle["axis_I"]))
+    if obstacle["kind"] == "wall":
+        return along
+    along = min(max(along, 0), obstacle["length_m"])
+    return math.dist(away, [along * a for a in obstacle["axis_I"]]) - obstacle["radius_m"]
+
+
+def to_tank(p, tank):
+    if tank["kind"] == "none":
+        return math.inf
+    walls = zip(p, tank["from_I_m"], tank["to_I_m"])
+    if tank["kind"] == "box":
+        return min(min(x - least, most - x) for x, least, most in walls)
+    z, floor, lid = list(walls)[2]
+    return min(z - floor, lid - z, tank["radius_m"] - math.dist(p[:2], tank["from_I_m"][:2]))
+
+
+def nearest_m(answer, step_m=0.01):
+    """The least distance along a plan's legs, of points a step apart; the last stretches before mate and dock, where the
+    one contact of each is allowed, are left out for that contact alone."""
+    scenario, scene, plan = answer["scenario"], answer["scene"], answer["plan"]
+    obstacles = [o for k, o in enumerate(scene["obstacles"]) if int(scenario["obstacles"], 16) >> k & 1]
+    z_I = sample_plan.rotate(scenario["X_IB"]["q"], [0, 0, 1])
+    lying = {"kind": "capsule", "radius_m": BEAM_RADIUS_M, "axis_I": z_I, "length_m": BEAM_LENGTH_M,
+             "p_I_m": [p - BEAM_LENGTH_M / 2 * z for p, z in zip(scenario["X_IB"]["p_m"], z_I)]}
+    port = scenario["port"]["p_IP_m"]
+    of_port = [o for o in obstacles if to_line(port, o) < BEAM_RADIUS_M + scenario["margin_m"]]
+    least = math.inf
+    for number, leg in enumerate(plan["legs"]):
+        carries = leg["phase"] == "transfer"
+        is_last = number + 1 == len(plan["legs"]) or plan["legs"][number + 1]["phase"] != leg["phase"]
+        leg = types.SimpleNamespace(**leg | {"X_IS_start": types.SimpleNamespace(**leg["X_IS_start"])})
+        steps = 2 + int(leg.length * (1 + 3 * math.hypot(*leg.w_S)) / step_m)
+        for k in range(steps + 1):
+            s = leg.length * k / steps
+            p, q = sample_plan.pose_along(leg, s)
+            arrives = is_last and leg.length - s <= 0.15
+            near = obstacles if carries or arrives else obstacles + [lying]
+            least = min([least, to_tank(p, scene["tank"]) - HULL_RADIUS_M] + [to_line(p, o) - HULL_RADIUS_M for o in near])
+            for n in range(61 if carries else 0):
+                along = (n / 60 - 0.5) * BEAM_LENGTH_M
+                p_S = [a + b for a, b in zip(plan["X_SB"]["p_m"], sample_plan.rotate(plan["X_SB"]["q"], [0, 0, along]))]
+                at = [a + b for a, b in zip(p, sample_plan.rotate(q, p_S))]
+                near = [o for o in obstacles if not (arrives and o in of_port)]
+                least = min([least, to_tank(at, scene["tank"]) - BEAM_RADIUS_M] + [to_line(at, o) - BEAM_RADIUS_M for o in near])
+    return least
+
+
+class SceneTest(InFolder):
+    """What stands around, in files, in answers and in what is said of both."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.plans = {(path.stem, effort): json.loads(ssv("plan", path, "--effort", effort, "--format", "json").stdout)
+                     for path in CLEAR for effort in ("quick", "best")}
+
+    def test_every_shipped_scene_has_a_way_that_keeps_3_cm_and_the_answer_says_where_it_is_nearest(self):
+        self.assertEqual([path.name for path in CLEAR], [path.name for path in SCENARIOS])
+        for (name, effort), answer in self.plans.items():
+            with self.subTest(f"{name} {effort}"):
+                plan = answer["plan"]
+                self.assertEqual((plan["quote"]["status"], plan["quote"]["reason"]), ("ok", ""))
+                self.assertEqual(shape(answer["scene"]["tank"]), SCENE_SHAPE["tank"])
+                self.assertEqual(shape(answer["scene"]["obstacles"]),
+                                 ["any", OBSTACLE_SHAPE] if answer["scene"]["obstacles"] else [])
+                self.assertEqual(shape(plan), PLAN_SHAPE)
+                clearance = plan["clearance"]
+                self.assertGreaterEqual(clearance["certified_m"], 0.03)
+                self.assertTrue(0 <= clearance["seen_m"] - clearance["certified_m"] <= 0.005)
+                self.assertTrue(0 <= clearance["s"] <= plan["legs"][clearance["leg"]]["length"])
+                least = nearest_m(answer)
+                self.assertGreaterEqual(least, clearance["certified_m"] - 1e-9)
+                self.assertLess(least, clearance["seen_m"] + 0.006)  # samples are a centimetre apart, and may miss the nearest
+                table = ssv("plan", HOST / "scenarios" / "clear" / f"{name}.yaml", "--effort", effort).stdout
+                what = {64: "its beam", 65: "the tank's wall"}.get(clearance["obstacle"], f"obstacle {clearance['obstacle']}")
+                self.assertIn(f"Keeps clear by {1000 * clearance['certified_m']:.0f} mm ({what}, the {clearance['body']} on leg "
+                              f"{clearance['leg'] + 1} of {plan['num_legs']})\n", table)
+                self.assertLessEqual(max(map(len, table.splitlines())), 120)
+        for path in SCENARIOS:
+            self.assertNotIn("clear", ssv("plan", path).stdout)
+
+    def test_every_scalar_finds_a_way_through_every_shipped_scene(self):
+        for scalar in ("float", "fixed"):
+            done = ssv("quote", *CLEAR, "--scalar", scalar, "--format", "json")
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            for row in json.loads(done.stdout)["quotes"]:
+                here = self.plans[Path(row["file"]).stem, "quick"]["plan"]["quote"]["cost"]
+                self.assertLess(abs(row["quote"]["cost"] / here - 1), 0.05)  # a search may end in another way
+
+    def test_the_last_stretch_before_mate_and_dock_is_straight_and_slow_where_a_cap_says_so(self):
+        for (name, effort), answer in self.plans.items():
+            with self.subTest(f"{name} {effort}"):
+                scenario, legs = answer["scenario"], answer["plan"]["legs"]
+                last = {leg["phase"]: leg for leg in legs}
+                for phase, leg in last.items():
+                    self.assertEqual(leg["kind"], "translate", phase)
+                    self.assertGreaterEqual(leg["length"], 0.15 - 1e-9)
+                self.assertLess(math.dist(last["transit"]["v_S"], [1, 0, 0]), 1e-9)  # the contact is on +x
+                v_I = sample_plan.rotate(last["transfer"]["X_IS_start"]["q"], last["transfer"]["v_S"])
+                self.assertLess(math.dist(v_I, [-a for a in scenario["port"]["axis_I"]]), 1e-6)
+                for leg in legs:
+                    for cap, speed in ((scenario[leg["phase"] + "_speed_max_m_s"], math.hypot(*leg["v_S"])),
+                                       (scenario[leg["phase"] + "_rate_max_rad_s"], math.hypot(*leg["w_S"]))):
+                        self.assertTrue(cap == 0 or leg["peak_speed"] * speed <= cap * (1 + 1e-9))
+                for leg in last.values():
+                    cap = scenario["contact_speed_max_m_s"]
+                    self.assertTrue(cap == 0 or leg["peak_speed"] <= cap * (1 + 1e-9))
+                self.assertEqual(scenario["contact_speed_max_m_s"] > 0, name == "port1_contact2")
+
+    def test_a_task_with_a_scene_comes_back_the_same_by_every_way(self):
+        for path in CLEAR:
+            with self.subTest(path.stem):
+                expected = without_stamp(self.plans[path.stem, "quick"])
+                ways = [ssv("plan", path, "--format", "json").stdout, ssv("scenario", path).stdout,
+                        ssv("scenario", path, "--format", "json").stdout]
+                for text in ways:
+                    done = ssv("plan", "-", "--format", "json", input=text)
+                    self.assertEqual(done.returncode, 0, done)
+                    self.assertEqual(without_stamp(json.loads(done.stdout)), expected)
+
+    def test_a_scene_is_written_by_hand_in_another_file_or_follows_from_the_hub(self):
+        avoid = self.scenario(("port: 1\n", "port: 1\navoid: {hub: true, built: [3, 2]}\n"), base=PORT1)
+        scene = json.loads(ssv("scenario", avoid, "--format", "json").stdout)["scene"]
+        half = math.sqrt(0.75)
+        axes = [[0, 0, 0], [-0.25, -half / 2, half], [-0.25, half / 2, half]]
+        for obstacle, axis in zip(scene["obstacles"], axes):
+            is_hub = axis == [0, 0, 0]
+            self.assertEqual((obstacle["kind"], obstacle["radius_m"], obstacle["length_m"]),
+                             ("capsule", HUB_RADIUS_M, 0) if is_hub else ("capsule", BEAM_RADIUS_M, BEAM_LENGTH_M))
+            self.assertLess(math.dist(obstacle["axis_I"], axis), 1e-12)
+            self.assertLess(math.dist(obstacle["p_I_m"], [p + 0.381 * a for p, a in zip([5, 3, 0.5], axis)]), 1e-12)
+        self.assertEqual(scene["num_obstacles"], 3)
+
+        by_hand = ("obstacles:\n  - sphere: {p_I_m: [1, 2, 3], radius_m: 0.5}\n  - capsule: {p_I_m: [0, 0, 0], to_I_m: [0, 3, 4], "
+                   "radius_m: 0.1}\n  - capsule: {p_I_m: [0, 0, 0], axis_I: [0, 0.6, 0.8], length_m: 5, radius_m: 0.1}\n"
+                   "  - wall: {p_I_m: [0, 0, -9], axis_I: [0, 0, 1.0004]}\n"
+                   "tank: {cylinder: {p_I_m: [1, 2, -9], height_m: 12, radius_m: 8}}\n")
+        (self.folder / "pool.yaml").write_text(by_hand)
+        inside = "scene:\n" + "".join(f"  {line}\n" for line in by_hand.splitlines())
+        shown = []
+        for text in ("scene: pool.yaml\n", inside):
+            path = self.scenario(("weights:", text + "left: [2, 0]\nweights:"), base=PORT1)
+            shown.append(json.loads(ssv("scenario", path, "--format", "json").stdout))
+        self.assertEqual(shown[0], shown[1])
+        scenario, scene = shown[0]["scenario"], shown[0]["scene"]
+        self.assertEqual((scenario["obstacles"], scenario["left"]), ("000000000000000f", "0000000000000005"))
+        sphere, tube, same, wall = scene["obstacles"]
+        self.assertEqual(sphere, {"kind": "capsule", "p_I_m": [1, 2, 3], "axis_I": [0, 0, 0], "length_m": 0, "radius_m": 0.5})
+        self.assertEqual(wall, {"kind": "wall", "p_I_m": [0, 0, -9], "axis_I": [0, 0, 1], "length_m": 0, "radius_m": 0})
+        self.assertLess(math.dist(tube["axis_I"] + [tube["length_m"]], same["axis_I"] + [5]), 1e-12)
+        self.assertEqual(scene["tank"], {"kind": "cylinder", "from_I_m": [1, 2, -9], "to_I_m": [1, 2, 3], "radius_m": 8})
+        both = self.scenario(("weights:", "scene: pool.yaml\navoid: {hub: true}\nweights:"), base=PORT1)
+        obstacles = json.loads(ssv("scenario", both, "--format", "json").stdout)["scene"]["obstacles"]
+        self.assertEqual((len(obstacles), obstacles[:4], obstacles[4]["radius_m"]), (5, scene["obstacles"], HUB_RADIUS_M))
+
+    def test_each_wrong_scene_is_refused_by_file_line_and_key(self):
+        def listed(obstacle):
+            return f"scene:\n  obstacles:\n    - {obstacle}\n"
+        many = "scene: {obstacles: [" + ", ".join(["wall: {p_I_m: [0, 0, -99], axis_I: [0, 0, 1]}"] * 65) + "]}\n"
+        most = many.replace("wall: {p_I_m: [0, 0, -99], axis_I: [0, 0, 1]}, ", "", 1)
+        at = "task.yaml:15:"
+        for text, words in [
+            (many.replace("wall", "{wall").replace("]}, ", "]}}, ").replace("1]}]", "1]}}]"), [at, "scene.obstacles: 65 entries, there may be 64 at most"]),
+            (most.replace("wall", "{wall").replace("]}, ", "]}}, ").replace("1]}]", "1]}}]") + "avoid: {hub: true}\n",
+             ["task.yaml:16:", "avoid: makes 65 obstacles, there may be 64 at most"]),
+            (listed("sphere: {p_I_m: [0, 0, 9], radius_m: -1}"), ["task.yaml:17:44: scene.obstacles[0].sphere.radius_m: -1 is outside its range [0, 100]"]),
+            (listed("sphere: {p_I_m: [0, 0, .nan], radius_m: 1}"), ["task.yaml:17:30: scene.obstacles[0].sphere.p_I_m[2]: nan is not a finite number"]),
+            (listed("sphere: {p_I_m: [0, 0, 2000], radius_m: 1}"), ["scene.obstacles[0].sphere.p_I_m: 2000 is outside its range"]),
+            (listed("sphere: {p_I_m: [0, 0], radius_m: 1}"), ["scene.obstacles[0].sphere.p_I_m: 2 entries, there must be exactly 3"]),
+            (listed("sphere: {p_I_m: [0, 0, 0]}"), ["scene.obstacles[0].sphere.radius_m: this key is missing"]),
+            (listed("sphere: {p_I_m: [0, 0, 0], radius_m: big}"), ["scene.obstacles[0].sphere.radius_m: 'big' is not a number"]),
+            (listed("sphere: {p_I_m: [0, 0, 0], radius_m: 1, axis_I: [1, 0, 0]}"), ["scene.obstacles[0].sphere.axis_I: unknown key"]),
+            (listed("ball: {p_I_m: [0, 0, 0], radius_m: 1}"), ["task.yaml:17:7: scene.obstacles[0].ball: unknown key"]),
+            (listed("walls: {p_I_m: [0, 0, 0], axis_I: [0, 0, 1]}"), ["unknown key; did you mean wall?"]),
+            (listed("[1, 2]"), ["scene.obstacles[0]: not one of sphere: {...}, capsule: {...}, wall: {...}"]),
+            (listed("wall: {p_I_m: [0, 0, 0], axis_I: [0, 0, 1.1]}"), ["scene.obstacles[0].wall.axis_I: length 1.1 is not 1 within 0.001"]),
+            (listed("capsule: {p_I_m: [0, 0, 0], axis_I: [0, 0, 1], radius_m: 1}"), ["scene.obstacles[0].capsule.length_m: this key is missing"]),
+            (listed("capsule: {p_I_m: [0, 0, 0], to_I_m: [0, 0, 1], length_m: 1, radius_m: 1}"), ["capsule.to_I_m: axis_I or length_m is given too"]),
+            (listed("capsule: {p_I_m: [0, 0, 0], to_I_m: [0, 0, .inf], radius_m: 1}"), ["capsule.to_I_m[2]: inf is not a finite number"]),
+            (listed("capsule: {p_I_m: [0, 0, 0], axis_I: [0, 0, 1], length_m: -1, radius_m: 1}"), ["scene.obstacles[0].capsule: -1 is outside its range [0, 1000]"]),
+            ("scene: {obstacles: {}}\n", ["scene.obstacles: not a list of obstacles"]),
+            ("scene: {obstacle: []}\n", ["scene.obstacle: unknown key; did you mean obstacles?"]),
+            ("scene: [1]\n", ["scene: neither a map {obstacles, tank} nor a path"]),
+            ("scene: no/such.yaml\n", ["no/such.yaml: cannot open"]),
+            ("scene: {tank: {box: {from_I_m: [-9, -9, -9], to_I_m: [9, -10, 9]}}}\n", ["scene.tank.box.to_I_m: -10 is outside its range [-9, 1000]"]),
+            ("scene: {tank: {box: {from_I_m: [-9, -9, -9]}}}\n", ["scene.tank.box.to_I_m: this key is missing"]),
+            ("scene: {tank: {cylinder: {p_I_m: [0, 0, 0], height_m: 5, radius_m: 0}}}\n", ["scene.tank.cylinder.radius_m: 0 is outside its range"]),
+            ("scene: {tank: {cylinder: {p_I_m: [0, 0, 0], height_m: -5, radius_m: 1}}}\n", ["scene.tank.cylinder.height_m: -5 is outside its range [0, 1000]"]),
+            ("scene: {tank: {round: {}}}\n", ["scene.tank.round: unknown key"]),
+            ("margin_m: -0.1\n", ["task.yaml:15:1", "margin_m: -0.1 is outside its range [0, 10]"]),
+            ("margin_m: .nan\n", ["margin_m: nan is not a finite number"]),
+            ("aproach_mate_m: 1\n", ["aproach_mate_m: unknown key; did you mean approach_mate_m?"]),
+            ("transit_speed_max_m_s: fast\n", ["transit_speed_max_m_s: 'fast' is not a number"]),
+            ("avoid: {hub: 1}\n", ["avoid.hub: neither true nor false"]),
+            ("avoid: {built: [1]}\n", ["avoid.built[0]: port 1 is the one that the beam is to dock at"]),
+            ("avoid: {built: [2, 2]}\n", ["avoid.built[1]: port 2 is named twice"]),
+            ("avoid: {built: [4]}\n", ["avoid.built[0]: '4' is none of 1, 2, 3"]),
+            ("avoid: {built: 2}\n", ["avoid.built: not a list of ports"]),
+            ("avoid: {hubs: true}\n", ["avoid.hubs: unknown key; did you mean hub?"]),
+            ("left: [0]\n", ["left[0]: '0' is no number of an obstacle; there are 0"]),
+            ("left: 0\n", ["left: not a list of obstacles' numbers"]),
+        ]:
+            with self.subTest(words[-1]):
+                self.assert_refused(self.scenario(("weights:", text + "weights:"), base=PORT1), *words)
+        self.assert_refused(self.scenario(("weights:", "avoid: {hub: true}\nweights:")), "avoid: hub is missing")
+        model = (HOST / "models" / "ease.yaml").read_text()
+        (self.folder / "mine.yaml").write_text(re.sub("  radius_m: 0.1905.*\n", "", model))
+        self.assert_refused(self.scenario(("model: ease", "model: mine.yaml\navoid: {hub: true}"), base=PORT1),
+                            "avoid.hub: the model's hub has no radius_m")
+        (self.folder / "pool.yaml").write_text("obstacles:\n  - sphere: {p_I_m: [0, 0, 9], radius_m: -1}\n")
+        self.assert_refused(self.scenario(("weights:", "scene: pool.yaml\nweights:"), base=PORT1),
+                            "pool.yaml:2:42: obstacles[0].sphere.radius_m: -1 is outside its range [0, 100]")
+
+    def test_a_message_s_scene_is_held_to_its_fields_and_its_choice(self):
+        whole = json.loads(ssv("scenario", CLEAR[0], "--format", "json").stdout)
+        for change, words in [
+            (lambda w: w["scenario"].update(obstacles="0000000000000009"), ["scenario.obstacles: bit 3 is set, but the scene has 3 obstacles"]),
+            (lambda w: w.pop("scene"), ["scenario.obstacles: bit 0 is set, but the scene has 0 obstacles"]),
+            (lambda w: w["scenario"].update(obstacles=7), ["scenario.obstacles: not a text of 16 hex digits"]),
+            (lambda w: w["scene"].update(num_obstacles=4), ["scene.obstacles: 3 entries, there must be exactly 4"]),
+            (lambda w: w["scene"].update(num_obstacles=65), ["scene.obstacles: 65 entries are counted, there may be 0 to 64"]),
+            (lambda w: w["scene"]["obstacles"][1].update(kind="cube"), ["scene.obstacles[1].kind: 'cube' is none of capsule, wall"]),
+            (lambda w: w["scene"]["obstacles"][1].update(axis_I=[0, 0, 1.001]), ["scene.obstacles[1].axis_I: length 1.001 is not 1 within 1e-05"]),
+            (lambda w: w["scene"]["tank"].pop("radius_m"), ["scene.tank.radius_m: this key is missing"]),
+        ]:
+            with self.subTest(words[0]):
+                changed = json.loads(json.dumps(whole))
+                change(changed)
+                path = self.folder / "changed.json"
+                path.write_text(json.dumps(changed, indent=1))
+                self.assert_refused(path, "changed.json:", *words)
+
+    def test_an_end_that_is_blocked_is_infeasible_and_says_which_body_is_how_deep_in_what(self):
+        for obstacle, reason, (body, number, clearance_m) in [
+            ("sphere: {p_I_m: [-0.4, 0, 0], radius_m: 0.2}", "the vehicle starts 102 mm inside obstacle 0", ("vehicle", 0, -0.1025)),
+            ("sphere: {p_I_m: [-0.52, 0, 0], radius_m: 0.2}", "the vehicle starts 18 mm from obstacle 0, 12 mm too near", ("vehicle", 0, 0.0175)),
+            ("sphere: {p_I_m: [5, 0.15, 0], radius_m: 0.1}", "the beam starts 11 mm inside obstacle 0", ("beam", 0, -0.0106)),
+            ("sphere: {p_I_m: [6.524, 3, 0.2], radius_m: 0.2}", "no room to dock: the beam is 61 mm inside obstacle 0", ("beam", 0, -0.0606)),
+            ("wall: {p_I_m: [0, -0.3, 0], axis_I: [0, 1, 0]}", "the vehicle starts 2.5 mm inside obstacle 0", ("vehicle", 0, -0.0025)),
+        ]:
+            with self.subTest(reason):
+                text = f"margin_m: 0.03\nscene:\n  obstacles:\n    - {obstacle}\nweights:"
+                path = self.scenario(("weights:", text))
+                done = ssv("plan", path, "--format", "json")
+                self.assertEqual(done.returncode, 3, done)
+                answer = json.loads(done.stdout)["plan"]
+                self.assertEqual(answer["quote"]["reason"], f"no feasible candidate; each: {reason}")
+                self.assertEqual(answer["clearance"]["obstacle"], -1)
+                for candidate in answer["quote"]["candidates"]:
+                    self.assertEqual((candidate["reason"], candidate["body"], candidate["obstacle"]), (reason, body, number))
+                    self.assertAlmostEqual(candidate["clearance_m"], clearance_m, 9)
+                for command in ("plan", "quote"):
+                    done = ssv(command, path, "--candidates")
+                    self.assertEqual((done.returncode, done.stdout.count(f"not feasible: {reason}\n")), (3, 3), done)
+                    self.assertLessEqual(max(map(len, done.stdout.splitlines())), 120)
+
+    def test_where_no_way_is_found_the_tank_and_the_beam_are_named_too(self):
+        tank = "margin_m: 0.03\nscene:\n  tank: {box: {from_I_m: [-0.32, -9, -9], to_I_m: [20, 9, 9]}}\nweights:"
+        done = ssv("plan", self.scenario(("weights:", tank)), "--format", "json")
+        self.assertEqual(json.loads(done.stdout)["plan"]["quote"]["reason"],
+                         "no feasible candidate; each: the vehicle starts 18 mm from the tank's wall, 12 mm too near")
+        # Between two walls the vehicle cannot come to the beam, which lies beyond a gap that is too narrow.
+        gap = "".join(f"    - capsule: {{p_I_m: [2.5, {y}, -20], to_I_m: [2.5, {y}, 20], radius_m: 0.5}}\n"
+                      for y in [round(0.7 + 1.4 * k, 1) for k in range(-15, 15)])
+        done = ssv("plan", self.scenario(("weights:", f"margin_m: 0.03\nscene:\n  obstacles:\n{gap}weights:")), "--format", "json")
+        self.assertEqual(done.returncode, 3, done)
+        for candidate in json.loads(done.stdout)["plan"]["quote"]["candidates"]:
+            self.assertRegex(candidate["reason"], r"^no way: the (vehicle|beam) comes (\S+ m?m inside|within \S+ m?m of) "
+                             r"(obstacle \d+|its beam)(, \S+ mm too near)?$")
+            self.assertLess(candidate["clearance_m"], 0.0302)
+
+    def test_over_lcm_scenes_get_the_answers_that_they_get_in_process(self):
+        with Daemon(URL):
+            for path in CLEAR:
+                there = json.loads(ssv("plan", path, f"--lcm={URL}", "--timeout", "30", "--format", "json").stdout)
+                expected = without_stamp(self.plans[path.stem, "quick"])
+                there["plan"]["answer"]["planner"]["planner_id"] = None
+                self.assertEqual(without_stamp(there), expected)
+            mixed = [*CLEAR, *SCENARIOS, *CLEAR]  # batches have one scene each
+            here, there = (json.loads(ssv("quote", *mixed, *lcm_option, "--format", "json").stdout)["quotes"]
+                           for lcm_option in ([], [f"--lcm={URL}", "--timeout", "30"]))
+            self.assertEqual([row["quote"] for row in there], [row["quote"] for row in here])
 
 
 class UsageTest(InFolder):
@@ -436,7 +731,13 @@ SCENARIO_SHAPE = {
     "options": {"method": "text", "effort": "text", "num_attach_heights": "integer", "attach_heights_m": [8, "real"],
                 "attach_anywhere": "flag", "ring_angle_given": "flag", "ring_angle_rad": "real", "want_candidates": "flag",
                 "want_front": "flag"},
+    "obstacles": "text", "left": "text", "margin_m": "real", "approach_mate_m": "real", "approach_dock_m": "real",
+    "contact_speed_max_m_s": "real", "transit_speed_max_m_s": "real", "transit_rate_max_rad_s": "real",
+    "transfer_speed_max_m_s": "real", "transfer_beam_speed_max_m_s": "real", "transfer_rate_max_rad_s": "real",
 }
+OBSTACLE_SHAPE = {"kind": "text", "p_I_m": V3, "axis_I": V3, "length_m": "real", "radius_m": "real"}
+SCENE_SHAPE = {"num_obstacles": "integer", "obstacles": [],
+               "tank": {"kind": "text", "from_I_m": V3, "to_I_m": V3, "radius_m": "real"}}
 QUOTE_SHAPE = {
     "num_candidates": "integer", "num_front": "integer",
     "scenario_hash": "text", "status": "text", "reason": "text", "cost": "real", "cost_lower_bound": "real", "time_s": "real",
@@ -453,6 +754,7 @@ PLAN_SHAPE = {
     "segments": ["any", {"t_s": "real", "duration_s": "real", "u_start_N": U6, "u_end_N": U6, "leg": "integer"}],
     "events": ["any", {"t_s": "real", "kind": "text"}],
     "X_SB": POSE,
+    "clearance": {"certified_m": "real", "seen_m": "real", "leg": "integer", "s": "real", "body": "text", "obstacle": "integer"},
 }
 
 
@@ -471,7 +773,7 @@ class PlanJsonTest(InFolder):
         self.assertEqual(len(self.plans), 5 * 3)
         for (name, method), plan in self.plans.items():
             with self.subTest(f"{name} {method}"):
-                self.assertEqual(shape(plan), {"scenario": SCENARIO_SHAPE, "plan": PLAN_SHAPE})
+                self.assertEqual(shape(plan), {"scenario": SCENARIO_SHAPE, "scene": SCENE_SHAPE, "plan": PLAN_SHAPE})
                 self.assertEqual(list(plan["plan"]), list(PLAN_SHAPE))
                 self.assertEqual(list(plan["scenario"]), list(SCENARIO_SHAPE))
                 options = plan["scenario"]["options"]
@@ -562,7 +864,8 @@ class PlanJsonTest(InFolder):
 
 
 CANDIDATE_SHAPE = {"contact": "integer", "attach_height_m": "real", "ring_angle_rad": "real", "reason": "text",
-                   "time_s": "real", "impulse_Ns": "real", "cost": "real"}
+                   "time_s": "real", "impulse_Ns": "real", "cost": "real", "body": "text", "obstacle": "integer",
+                   "clearance_m": "real"}
 
 
 class CandidatesAndFrontTest(InFolder):
@@ -657,7 +960,7 @@ class QuoteTest(InFolder):
             for path, quote in zip(SCENARIOS, self.quotes(SCENARIOS, *arguments)):
                 with self.subTest(f"{path.stem} {method} {weights}"):
                     plan = json.loads(ssv("plan", path, "--format", "json", *arguments).stdout)
-                    self.assertEqual(list(quote), ["file", "scenario", "quote"])
+                    self.assertEqual(list(quote), ["file", "scenario", "scene", "quote"])
                     self.assertEqual(without_stamp(quote)["quote"], without_stamp(plan)["plan"]["quote"])
                     self.assertEqual(without_stamp(quote)["scenario"], without_stamp(plan)["scenario"])
 
@@ -680,7 +983,7 @@ class QuoteTest(InFolder):
         typo = self.other("typo.yaml", ("standoff_m", "standof_m"))
         alone = {path: self.quotes([path], code=code)[0] for path, code in ((PAPER_CASE, 0), (far, 3), (bad, 2), (typo, 2))}
         self.assertEqual([quote["quote"]["status"] for quote in alone.values()], ["ok", "infeasible", "invalid", "invalid"])
-        self.assertEqual(list(alone[far]), ["file", "scenario", "quote"])
+        self.assertEqual(list(alone[far]), ["file", "scenario", "scene", "quote"])
         self.assertEqual(list(alone[bad]), ["file", "quote"])
         same = lambda row: {key: row["quote"][key] for key in row["quote"]}
         for paths, code in (([far, PAPER_CASE], 3), ([typo, far, PAPER_CASE, bad, PAPER_CASE], 2), ([far, bad], 2),

@@ -82,7 +82,10 @@ def hand_made_plan():
             "thrust_reserve": 0.0,
             "options": {"method": "paper", "effort": "quick", "num_attach_heights": 1, "attach_heights_m": [0.0] * 8,
                         "attach_anywhere": False, "ring_angle_given": False, "ring_angle_rad": 0.0,
-                        "want_candidates": False, "want_front": False}},
+                        "want_candidates": False, "want_front": False},
+            "obstacles": "0" * 16, "left": "0" * 16, "margin_m": 0.0, "approach_mate_m": 0.0, "approach_dock_m": 0.0,
+            "contact_speed_max_m_s": 0.0, "transit_speed_max_m_s": 0.0, "transit_rate_max_rad_s": 0.0,
+            "transfer_speed_max_m_s": 0.0, "transfer_beam_speed_max_m_s": 0.0, "transfer_rate_max_rad_s": 0.0},
         "plan": {
             "answer": {"asker": asker, "question_hash": "0" * 16,
                        "planner": {"planner_id": "0" * 16, "version": "0", "scalar": "double"}},
@@ -94,7 +97,8 @@ def hand_made_plan():
                       "X_IS_final": nowhere, "X_IB_final": nowhere, "candidates": [], "front": []},
             "plan_hash": "0" * 16, "legs": legs, "arcs": [], "segments": segments,
             "events": [{"t_s": 68.0, "kind": "mate"}, {"t_s": 108.0, "kind": "dock"}],
-            "X_SB": nowhere},
+            "X_SB": nowhere,
+            "clearance": {"certified_m": 0.0, "seen_m": 0.0, "leg": 0, "s": 0.0, "body": "vehicle", "obstacle": -1}},
     }
 
 
