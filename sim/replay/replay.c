@@ -45,8 +45,22 @@ static double absolute_impulse(double a, double b, double duration_s) {
     return a * b >= 0 ? duration_s * sum / 2 : duration_s * (a * a + b * b) / (2 * sum);
 }
 
-static void fly_segment(const plan_file_t* plan, const plan_segment_t* segment, const rb_craft_t* craft, double step_s,
-                        rb_state_t* state) {
+/// What moves, and who watches it.
+typedef struct {
+    rb_craft_t craft;
+    rb_state_t state;
+    bool is_carried;
+    rb_pose_t X_SB; ///< once the beam is carried
+    double t_s;
+    sim_watch_t watch;
+} flyer_t;
+
+static void look(flyer_t* flyer, const plan_file_t* plan) {
+    const rb_pose_t X_IB = flyer->is_carried ? rb_compose(&flyer->state.eta, &flyer->X_SB) : plan->X_IB;
+    sim_watch_look(&flyer->watch, flyer->t_s, &flyer->state.eta, &X_IB, flyer->is_carried);
+}
+
+static void fly_segment(const plan_file_t* plan, const plan_segment_t* segment, double step_s, flyer_t* flyer) {
     double tau_start[6], tau_end[6], from[6], to[6];
     rb_thrust(PLAN_THRUSTERS, plan->thruster, segment->u_start_N, tau_start);
     rb_thrust(PLAN_THRUSTERS, plan->thruster, segment->u_end_N, tau_end);
@@ -56,28 +70,35 @@ static void fly_segment(const plan_file_t* plan, const plan_segment_t* segment, 
             from[i] = tau_start[i] + k / steps * (tau_end[i] - tau_start[i]);
             to[i] = tau_start[i] + (k + 1) / steps * (tau_end[i] - tau_start[i]);
         }
-        rb_step(craft, state, from, to, segment->duration_s / steps);
+        rb_step(&flyer->craft, &flyer->state, from, to, segment->duration_s / steps);
+        flyer->t_s += segment->duration_s / steps;
+        look(flyer, plan);
     }
 }
 
 void replay_fly(const plan_file_t* plan, double step_s, replay_flight_t* flight) {
     memset(flight, 0, sizeof *flight);
-    rb_craft_t craft;
-    rb_craft_alone(&craft, &plan->vehicle);
-    rb_state_t state = {plan->X_IS, {0}};
-    rb_pose_t X_SB = {{0, 0, 0}, {1, 0, 0, 0}};
+    flyer_t flyer;
+    memset(&flyer, 0, sizeof flyer);
+    rb_craft_alone(&flyer.craft, &plan->vehicle);
+    flyer.state.eta = plan->X_IS;
+    sim_watch_init(&flyer.watch, &plan->around);
+    look(&flyer, plan);
     for (size_t s = 0; s <= plan->num_segments; s++) {
         if (s == plan->num_transit_segments) {
-            flight->mate = arrival_at_mate(plan, &state);
-            X_SB = rb_take_hold(&craft, &state, &plan->beam, &plan->X_IB);
+            flight->mate = arrival_at_mate(plan, &flyer.state);
+            flyer.X_SB = rb_take_hold(&flyer.craft, &flyer.state, &plan->beam, &plan->X_IB);
+            flyer.is_carried = true;
+            look(&flyer, plan);
         }
         if (s < plan->num_segments) {
-            fly_segment(plan, &plan->segment[s], &craft, step_s, &state);
+            fly_segment(plan, &plan->segment[s], step_s, &flyer);
         }
     }
-    flight->dock = arrival_at_dock(plan, &state, &X_SB);
-    flight->vehicle_end = state.eta;
-    flight->beam_end = rb_compose(&state.eta, &X_SB);
+    flight->dock = arrival_at_dock(plan, &flyer.state, &flyer.X_SB);
+    flight->vehicle_end = flyer.state.eta;
+    flight->beam_end = rb_compose(&flyer.state.eta, &flyer.X_SB);
+    flight->nearest = flyer.watch.nearest;
 
     for (size_t s = 0; s < plan->num_segments; s++) {
         const plan_segment_t* segment = &plan->segment[s];

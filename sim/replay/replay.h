@@ -21,9 +21,10 @@ typedef struct {
     /// Beam against the port (chosen contact point on it, outward axis there against the port's, roll free); the speed
     /// is the larger of that of the contact point and that of the vehicle.
     replay_arrival_t dock;
-    double thrust_ratio; ///< largest |thrust| over force_max_N
-    double impulse_Ns;   ///< integral of the sum of |thrust|
-    double time_s;       ///< end of the timeline
+    double thrust_ratio;   ///< largest |thrust| over force_max_N
+    double impulse_Ns;     ///< integral of the sum of |thrust|
+    double time_s;         ///< end of the timeline
+    sim_nearest_t nearest; ///< how near vehicle and beam came to what stands around
     rb_pose_t vehicle_end, beam_end;
 } replay_flight_t;
 
