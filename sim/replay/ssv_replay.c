@@ -16,17 +16,20 @@ enum { EXIT_WITHIN = 0, EXIT_OTHER = 1, EXIT_INVALID = 2, EXIT_OUTSIDE = 3, EXIT
 const char* argp_program_version = "ssv-replay " SIM_VERSION;
 
 static const char DOC[] =
-    "Flies a plan open loop in independent 6-DOF physics and prints how far from the task it mates and docks.\v"
+    "Flies a plan open loop in independent 6-DOF physics and prints how far from the task it mates and docks, and how "
+    "near it comes to what stands around.\v"
     "PLAN.json is what `ssv plan --format json` writes; - reads it from standard input. The physics knows bodies, drag "
     "and "
-    "thrusters from the plan's scenario and nothing of the planner. The beam joins at the mate event as it lies.\n\n"
+    "thrusters from the plan's scenario and nothing of the planner. The beam joins at the mate event as it lies. Where "
+    "the plan's task has anything around, vehicle and beam must not touch it; nearer than its margin is told and not "
+    "judged.\n\n"
     "Examples:\n"
     "  ssv plan paper_case.yaml --format json | ssv-replay -\n"
     "  ssv-replay --format json plan.json\n\n"
     "Exit codes:\n"
     "  0   every figure is within its tolerance\n"
     "  2   the plan file is absent, unreadable or invalid, or its status is not ok\n"
-    "  3   a figure is outside its tolerance\n"
+    "  3   a figure is outside its tolerance, or something was touched\n"
     "  64  wrong usage\n"
     "  1   anything else: no integration step is fine enough, the output cannot be written";
 
@@ -69,11 +72,15 @@ typedef struct {
     const char* group;
     const char* name; ///< of its key in JSON, unit included
     double value, limit;
+    bool is_least; ///< whether the limit is the least that it may be, else the most, either way
 } figure_t;
 
-enum { NUM_FIGURES = 11, ARRIVAL_FIGURES = 4 };
+enum { MOST_FIGURES = 12, ARRIVAL_FIGURES = 4 };
 
-static void judge(const plan_file_t* plan, const replay_flight_t* flight, figure_t figure[NUM_FIGURES]) {
+static bool has_come_near(const replay_flight_t* flight) { return flight->nearest.obstacle != SIM_NO_OBSTACLE; }
+
+/// @return how many figures there are: the last one only if the flight came near anything.
+static size_t judge(const plan_file_t* plan, const replay_flight_t* flight, figure_t figure[MOST_FIGURES]) {
     static const struct {
         const char* name;
         double limit;
@@ -85,18 +92,40 @@ static void judge(const plan_file_t* plan, const replay_flight_t* flight, figure
         const double value[ARRIVAL_FIGURES] = {at[e]->position_mm, at[e]->pointing_deg, at[e]->speed_m_s,
                                                at[e]->rate_rad_s};
         for (size_t i = 0; i < ARRIVAL_FIGURES; i++) {
-            figure[n++] = (figure_t){e == 0 ? "mate" : "dock", arrival[i].name, value[i], arrival[i].limit};
+            figure[n++] = (figure_t){e == 0 ? "mate" : "dock", arrival[i].name, value[i], arrival[i].limit, false};
         }
     }
     // The cost may be zero (a task already done); then any impulse at all is too much.
     const double difference_Ns = flight->impulse_Ns - plan->impulse_Ns;
     const double difference_percent = difference_Ns == 0 ? 0 : 100 * difference_Ns / fmax(plan->impulse_Ns, 1e-9);
-    figure[n++] = (figure_t){"thrust", "max_over_force_max", flight->thrust_ratio, 1 + 1e-9};
-    figure[n++] = (figure_t){"impulse", "error_percent", difference_percent, 0.5};
-    figure[n++] = (figure_t){"time", "error_us", 1e6 * (flight->time_s - plan->time_s), 1};
+    figure[n++] = (figure_t){"thrust", "max_over_force_max", flight->thrust_ratio, 1 + 1e-9, false};
+    figure[n++] = (figure_t){"impulse", "error_percent", difference_percent, 0.5, false};
+    figure[n++] = (figure_t){"time", "error_us", 1e6 * (flight->time_s - plan->time_s), 1, false};
+    if (has_come_near(flight)) {
+        figure[n++] = (figure_t){"clearance", "least_mm", 1e3 * flight->nearest.least_m, 0, true};
+    }
+    return n;
 }
 
-static bool within(const figure_t* figure) { return fabs(figure->value) <= figure->limit; }
+static bool within(const figure_t* figure) {
+    return figure->is_least ? figure->value >= figure->limit : fabs(figure->value) <= figure->limit;
+}
+
+static const char* body_of(const sim_nearest_t* nearest) { return nearest->is_beam ? "beam" : "vehicle"; }
+
+static void print_clearance(const plan_file_t* plan, const sim_nearest_t* nearest) {
+    char obstacle[24];
+    snprintf(obstacle, sizeof obstacle, "obstacle %d", nearest->obstacle);
+    printf("  %-16s %12.1f %12.1f %12s mm%s\n", "clearance", 1e3 * nearest->least_m, 1e3 * plan->clearance_m, "",
+           nearest->least_m < 0                       ? " TOUCHED"
+           : nearest->least_m < plan->around.margin_m ? ", below the margin"
+                                                      : "");
+    printf("  %-16s %s and %s at %.3f s; margin %.1f mm\n", "", body_of(nearest),
+           nearest->obstacle == SIM_ITS_BEAM    ? "its beam"
+           : nearest->obstacle == SIM_TANK_WALL ? "the tank's wall"
+                                                : obstacle,
+           nearest->t_s, 1e3 * plan->around.margin_m);
+}
 
 static bool print_table(const plan_file_t* plan, const replay_flight_t* flight, const figure_t* figure, double step_s,
                         double halving_m, double halving_rad) {
@@ -122,20 +151,30 @@ static bool print_table(const plan_file_t* plan, const replay_flight_t* flight, 
            within(impulse) ? "" : " OUTSIDE, limit 0.5 %");
     printf("  %-16s %12.6f %12.6f %9.3g us s%s\n", "time", flight->time_s, plan->time_s, time->value,
            within(time) ? "" : " OUTSIDE, limit 1 us");
+    if (has_come_near(flight)) {
+        print_clearance(plan, &flight->nearest);
+    }
     printf("\n  Steps of %g s; the last halving moved the end by %.1e m, %.1e rad.\n", step_s, halving_m, halving_rad);
     return fflush(stdout) == 0 && !ferror(stdout);
 }
 
-static bool print_json(const plan_file_t* plan, const replay_flight_t* flight, const figure_t* figure, bool all_within,
-                       double step_s, double halving_m, double halving_rad) {
+static json_t* clearance_json(const plan_file_t* plan, const sim_nearest_t* nearest) {
+    return json_pack("{s:f, s:f, s:s, s:i, s:f}", "planned_mm", 1e3 * plan->clearance_m, "margin_mm",
+                     1e3 * plan->around.margin_m, "body", body_of(nearest), "obstacle", nearest->obstacle, "t_s",
+                     nearest->t_s);
+}
+
+static bool print_json(const plan_file_t* plan, const replay_flight_t* flight, const figure_t* figure, size_t num,
+                       bool all_within, double step_s, double halving_m, double halving_rad) {
     json_t* outside = json_array();
     json_t* root =
-        json_pack("{s:o, s:b, s:o, s:{}, s:{}, s:{}, s:{s:f, s:f}, s:{s:f, s:f}, s:{s:f, s:f, s:f}}", "request_id",
+        json_pack("{s:o, s:b, s:o, s:{}, s:{}, s:{}, s:{s:f, s:f}, s:{s:f, s:f}, s:{s:f, s:f, s:f}, s:o}", "request_id",
                   json_sprintf("%016" PRIx64, (uint64_t)plan->request_id), "within_tolerances", all_within, "outside",
                   outside, "mate", "dock", "thrust", "impulse", "flown_Ns", flight->impulse_Ns, "planned_Ns",
                   plan->impulse_Ns, "time", "flown_s", flight->time_s, "planned_s", plan->time_s, "integration",
-                  "step_s", step_s, "halving_moved_m", halving_m, "halving_turned_rad", halving_rad);
-    for (size_t i = 0; i < NUM_FIGURES; i++) {
+                  "step_s", step_s, "halving_moved_m", halving_m, "halving_turned_rad", halving_rad, "clearance",
+                  has_come_near(flight) ? clearance_json(plan, &flight->nearest) : json_null());
+    for (size_t i = 0; i < num; i++) {
         json_object_set_new(json_object_get(root, figure[i].group), figure[i].name, json_real(figure[i].value));
         if (!within(&figure[i])) {
             json_array_append_new(outside, json_sprintf("%s.%s", figure[i].group, figure[i].name));
@@ -170,14 +209,15 @@ int main(int argc, char** argv) {
         plan_file_free(&plan);
         return EXIT_OTHER;
     }
-    figure_t figure[NUM_FIGURES];
-    judge(&plan, &flight, figure);
+    figure_t figure[MOST_FIGURES];
+    const size_t num = judge(&plan, &flight, figure);
     bool all_within = true;
-    for (size_t i = 0; i < NUM_FIGURES; i++) {
+    for (size_t i = 0; i < num; i++) {
         all_within = all_within && within(&figure[i]);
     }
-    const bool written = arguments.json ? print_json(&plan, &flight, figure, all_within, step_s, halving_m, halving_rad)
-                                        : print_table(&plan, &flight, figure, step_s, halving_m, halving_rad);
+    const bool written = arguments.json
+                             ? print_json(&plan, &flight, figure, num, all_within, step_s, halving_m, halving_rad)
+                             : print_table(&plan, &flight, figure, step_s, halving_m, halving_rad);
     plan_file_free(&plan);
     if (!written) {
         fprintf(stderr, "ssv-replay: cannot write the result: %s\n", strerror(errno));
