@@ -334,6 +334,7 @@ static void take_timeline(reader_t* reader, const lcm_ssv_plan_t* from, plan_fil
 static void take_plan(reader_t* reader, const lcm_ssv_scenario_t* scenario, const lcm_ssv_scene_t* scene,
                       const lcm_ssv_plan_t* from, plan_file_t* plan) {
     reader->rounding = from->answer.planner.scalar == LCM_SSV_PLANNER_T_SCALAR_FLOAT ? FLOAT_ROUNDING : 0;
+    plan->rounding = reader->rounding;
     plan->request_id = from->answer.asker.request_id;
     plan->time_s = number(reader, "plan.quote.time_s", from->quote.time_s, NOT_NEGATIVE);
     plan->impulse_Ns = number(reader, "plan.quote.impulse_Ns", from->quote.impulse_Ns, NOT_NEGATIVE);

@@ -26,6 +26,7 @@ typedef struct {
 
 typedef struct {
     int64_t request_id;
+    double rounding; ///< [-] of its numbers, relative: of the arithmetic that it was computed in
 
     // the task
     rb_body_t vehicle, beam;
