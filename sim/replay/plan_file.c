@@ -315,6 +315,16 @@ static void take_timeline(reader_t* reader, const lcm_ssv_plan_t* from, plan_fil
     }
     plan->num_transit_segments =
         segments_before(reader, "plan.events[0]", &from->events[0], LCM_SSV_EVENT_T_KIND_MATE, from);
+    // Of segments that are shorter than what instants are told apart by, those after the mate are of the transfer.
+    const double mate_s = from->events[0].t_s;
+    while (plan->num_transit_segments > 0) {
+        const lcm_ssv_segment_t* const last = &from->segments[plan->num_transit_segments - 1];
+        if (from->legs[last->leg].phase == LCM_SSV_LEG_T_PHASE_TRANSIT ||
+            !(fabs(last->t_s - mate_s) <= tolerance_at(reader, mate_s))) {
+            break;
+        }
+        plan->num_transit_segments--;
+    }
     if (segments_before(reader, "plan.events[1]", &from->events[1], LCM_SSV_EVENT_T_KIND_DOCK, from) !=
         plan->num_segments) {
         fail(reader, "plan.events[1]", "must be where the timeline ends");
