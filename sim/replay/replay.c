@@ -21,7 +21,7 @@
 #define STEPS_MAX INT64_C(20000000)
 // After so many, a run that will not come to its end with what is left is given up.
 #define STEPS_TRIED INT64_C(1000000)
-#define STEPS_BETWEEN_WORDS 20000
+#define STEPS_BETWEEN_WORDS 5000
 #define LONGEST_STEP_S 5.0
 #define FIRST_STEP_S 0.01
 // No body moves much farther than this between two looks at what it comes near.
