@@ -439,7 +439,7 @@ static bool read_port(layout_t* layout, const tree_t* number, int* port) {
 /// The hub in I from its pose (scenario file) and the ports in H (model file).
 static bool read_hub(layout_t* layout, const tree_t* from, const tree_t* model, hub_t* hub) {
     const move_t moves[] = {{"p_IH_m", true, NULL, NULL}, {"q_IH", true, NULL, NULL}, {"port", true, NULL, NULL}};
-    double q_IH[4] = {0}, p_HP_m[NUM_PORTS][3], axis_H[NUM_PORTS][3];
+    double q_IH[4] = {0}, p_HP_m[NUM_PORTS][3] = {{0}}, axis_H[NUM_PORTS][3] = {{0}};
     if (!lay_out(layout, from, moves, LENGTH(moves), NULL, 0) ||
         !read_numbers(layout, from, "p_IH_m", 3, hub->p_IH_m) || !read_numbers(layout, from, "q_IH", 4, q_IH) ||
         !check_unit(layout, tree_get(from, "q_IH"), q_IH, 4) ||
