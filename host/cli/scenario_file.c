@@ -340,6 +340,9 @@ static bool as_number(layout_t* layout, const tree_t* value, double* number) {
 /// A list of numbers under a key of a map.
 static bool read_numbers(layout_t* layout, const tree_t* map, const char* key, int count, double* numbers) {
     const tree_t* const list = tree_get(map, key);
+    for (int i = 0; i < count; i++) {
+        numbers[i] = 0;
+    }
     if (list == NULL) {
         return tree_fail_key(layout->error, map, NULL, key, "this key is missing");
     }
@@ -436,7 +439,7 @@ static bool read_port(layout_t* layout, const tree_t* number, int* port) {
 /// The hub in I from its pose (scenario file) and the ports in H (model file).
 static bool read_hub(layout_t* layout, const tree_t* from, const tree_t* model, hub_t* hub) {
     const move_t moves[] = {{"p_IH_m", true, NULL, NULL}, {"q_IH", true, NULL, NULL}, {"port", true, NULL, NULL}};
-    double q_IH[4], p_HP_m[NUM_PORTS][3], axis_H[NUM_PORTS][3];
+    double q_IH[4] = {0}, p_HP_m[NUM_PORTS][3] = {{0}}, axis_H[NUM_PORTS][3] = {{0}};
     if (!lay_out(layout, from, moves, LENGTH(moves), NULL, 0) ||
         !read_numbers(layout, from, "p_IH_m", 3, hub->p_IH_m) || !read_numbers(layout, from, "q_IH", 4, q_IH) ||
         !check_unit(layout, tree_get(from, "q_IH"), q_IH, 4) ||
@@ -820,7 +823,7 @@ static bool lay_out_place(layout_t* layout, const tree_t* root, const tree_t* mo
                           tree_t* scene) {
     const tree_t* const port = tree_get(root, "port");
     const tree_t* const from = tree_get(root, "hub");
-    hub_t hub;
+    hub_t hub = {.port = 0};
     if (port != NULL) {
         return put(layout, message, "port", port) && lay_out_scene(layout, root, path, NULL, message, scene);
     }
