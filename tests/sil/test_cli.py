@@ -145,7 +145,7 @@ class BadInputTest(InFolder):
 
     def test_a_word_that_is_no_choice_is_refused_with_the_choices(self):
         self.assert_refused(self.scenario(("contact: 1", "contact: 3")), "beam.contact: '3'", "either, 1, 2")
-        self.assert_refused(self.scenario(("port: 1", "port: 4"), base=PORT1), "hub.port: '4'", "1, 2, 3")
+        self.assert_refused(self.scenario(("port: 1", "port: 4"), base=PORT1), "hub.port: '4' is none of 1, 2, 3")
         for key, word, choices in (("method", "fastest", "optimal, paper"), ("effort", "1", "quick, best"),
                                    ("candidates", "yes", "false, true"), ("front", "1", "false, true"),
                                    ("attach_anywhere", "on", "false, true")):
@@ -269,6 +269,26 @@ class ModelTest(InFolder):
         (self.folder / "mine.yaml").write_text(model[:model.index("# Table 2")])
         self.assertEqual(ssv("plan", self.scenario(("model: paper", "model: mine.yaml"))).returncode, 0)
         self.assert_refused(self.scenario(("model: ease", "model: mine.yaml"), base=PORT1), "mine.yaml:", "hub: this key is missing")
+
+    def test_a_hub_has_one_to_eight_ports(self):
+        model = (HOST / "models" / "ease.yaml").read_text()
+        head, ports = model.split("  ports:\n")
+        port = ports.splitlines(keepends=True)[0]
+        task = PORT1.read_text().replace("model: ease", "model: mine.yaml")
+        for count, numbers in ((1, [1]), (8, [1, 8])):
+            (self.folder / "mine.yaml").write_text(head + "  ports:\n" + port * count)
+            for number in numbers:
+                (self.folder / "task.yaml").write_text(task.replace("port: 1", f"port: {number}"))
+                with self.subTest(count=count, number=number):
+                    expected, mine = (json.loads(ssv("plan", path, "--format", "json").stdout)
+                                      for path in (PORT1, self.folder / "task.yaml"))
+                    self.assertEqual(mine["plan"]["plan_hash"], expected["plan"]["plan_hash"])
+            (self.folder / "task.yaml").write_text(task.replace("port: 1", f"port: {count + 1}"))
+            self.assert_refused(self.folder / "task.yaml", f"hub.port: '{count + 1}' is none of 1")
+        for count in (0, 9):
+            (self.folder / "mine.yaml").write_text(head + ("  ports:\n" + port * count if count else "  ports: []\n"))
+            (self.folder / "task.yaml").write_text(task)
+            self.assert_refused(self.folder / "task.yaml", "mine.yaml:", f"hub.ports: {count} entries, there must be 1 to 8")
 
     def test_a_file_that_is_no_model_is_not_repeated(self):
         for content in ("secret: 1\n", "secret\n", "- secret\n", "secret: [\n", "Secret word: {\n", "secret:secret:0\nsecret\n"):
