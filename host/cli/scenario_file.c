@@ -445,7 +445,7 @@ static bool read_port(layout_t* layout, const tree_t* number, int num_ports, int
 /// The hub in I from its pose (scenario file) and the ports in H (model file).
 static bool read_hub(layout_t* layout, const tree_t* from, const tree_t* model, hub_t* hub) {
     const move_t moves[] = {{"p_IH_m", true, NULL, NULL}, {"q_IH", true, NULL, NULL}, {"port", true, NULL, NULL}};
-    double q_IH[4], p_HP_m[MAX_PORTS][3], axis_H[MAX_PORTS][3];
+    double q_IH[4] = {0}, p_HP_m[MAX_PORTS][3] = {{0}}, axis_H[MAX_PORTS][3] = {{0}};
     if (!lay_out(layout, from, moves, LENGTH(moves), NULL, 0) ||
         !read_numbers(layout, from, "p_IH_m", 3, hub->p_IH_m) || !read_numbers(layout, from, "q_IH", 4, q_IH) ||
         !check_unit(layout, tree_get(from, "q_IH"), q_IH, 4)) {
@@ -513,7 +513,7 @@ static bool lay_out_capsule(layout_t* layout, const tree_t* from, tree_t* list) 
                             {"to_I_m", false, NULL, NULL},
                             {"axis_I", !has_end, NULL, NULL},
                             {"length_m", !has_end, NULL, NULL}};
-    double from_m[3], to_m[3], axis_I[3] = {0, 0, 0}, length_m = 0;
+    double from_m[3] = {0}, to_m[3] = {0}, axis_I[3] = {0}, length_m = 0;
     if (!lay_out(layout, from, moves, LENGTH(moves), NULL, 0) || !read_numbers(layout, from, "p_I_m", 3, from_m)) {
         return false;
     }
@@ -537,7 +537,7 @@ static bool lay_out_capsule(layout_t* layout, const tree_t* from, tree_t* list) 
 
 static bool lay_out_wall(layout_t* layout, const tree_t* from, tree_t* list) {
     const move_t moves[] = {{"p_I_m", true, NULL, NULL}, {"axis_I", true, NULL, NULL}};
-    double axis_I[3];
+    double axis_I[3] = {0};
     return lay_out(layout, from, moves, LENGTH(moves), NULL, 0) && read_direction(layout, from, "axis_I", axis_I) &&
            put_obstacle(layout, list, "wall", from, NULL, axis_I, 0, NULL);
 }
@@ -591,7 +591,7 @@ static bool lay_out_box(layout_t* layout, const tree_t* from, tree_t* tank) {
 static bool lay_out_cylinder(layout_t* layout, const tree_t* from, tree_t* tank) {
     const move_t moves[] = {
         {"p_I_m", true, tank, "from_I_m"}, {"height_m", true, NULL, NULL}, {"radius_m", true, tank, "radius_m"}};
-    double lid_m[3], height_m;
+    double lid_m[3] = {0}, height_m = 0;
     if (!put_text(layout, tank, "kind", "cylinder", from) || !lay_out(layout, from, moves, LENGTH(moves), NULL, 0) ||
         !read_numbers(layout, from, "p_I_m", 3, lid_m) || !read_number(layout, from, "height_m", &height_m)) {
         return false;
@@ -829,7 +829,7 @@ static bool lay_out_place(layout_t* layout, const tree_t* root, const tree_t* mo
                           tree_t* scene) {
     const tree_t* const port = tree_get(root, "port");
     const tree_t* const from = tree_get(root, "hub");
-    hub_t hub;
+    hub_t hub = {.port = 0};
     if (port != NULL) {
         return put(layout, message, "port", port) && lay_out_scene(layout, root, path, NULL, message, scene);
     }

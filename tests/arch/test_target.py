@@ -28,7 +28,8 @@ COLUMNS = ["core", "scalar", "what", "figure", "budget"]
 MARGIN = 0.05
 ONBOARD = {("m4f", scalar, onboard.ALL): scalar for scalar in ("fixed", "float")}
 # What the project has set itself; held with the compiler of the budgets.
-GOALS = {("m3", "fixed", "planner", "text_bytes"): 128 * 1024,
+GOALS = {("m3", "fixed", "16_obstacles optimal", "instructions"): 80_000_000,
+         ("m3", "fixed", "planner", "text_bytes"): 128 * 1024,
          ("m3", "fixed", "planner", "static_ram_bytes"): 64 * 1024,
          **{("m3", "fixed", name, "stack_bytes"): 8 * 1024 for name in API},
          ("m3", "fixed", "paper_case optimal", "instructions"): 60_000_000,
@@ -68,6 +69,9 @@ class Image:
             found[f"random {method}", "most_instructions"] = max(
                 int(row["instructions"]) for (name, of), row in self.plans.items() if is_random(name) and of == method)
         return {(self.cpu, self.scalar, *key): number for key, number in found.items()}
+
+
+OF_NO_FILE = "16_obstacles"  # a task that plan.c makes
 
 
 def is_random(name):
@@ -146,7 +150,7 @@ class Target(unittest.TestCase):
     def test_the_command_line_makes_the_same_plans_of_the_scenario_files(self):
         for scalar, plans in self.here.items():
             for (name, method), row in plans.items():
-                if not is_random(name):
+                if not is_random(name) and name != OF_NO_FILE:
                     with self.subTest(scalar=scalar, name=name, method=method):
                         answer = run([f"{os.environ['SSV_BIN_DIR']}/ssv", "plan", ROOT / f"host/scenarios/{name}.yaml",
                                       "--scalar", scalar, "--method", method, "--effort", "quick", "--format", "json"])

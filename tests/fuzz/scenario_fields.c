@@ -77,7 +77,8 @@ static void to_exact_unit_length(double* v) {
 
 static void repair_scene(lcm_ssv_scenario_t* scenario, lcm_ssv_scene_t* scene) {
     scene->num_obstacles = (int8_t)clamped(scene->num_obstacles, 0, 64);
-    scenario->obstacles &= scene->num_obstacles == 64 ? -1 : (INT64_C(1) << scene->num_obstacles) - 1;
+    const int num = scene->num_obstacles;
+    scenario->obstacles &= num == 0 ? 0 : (int64_t)(UINT64_MAX >> (64 - num));
     for (int k = 0; k < scene->num_obstacles; k++) {
         lcm_ssv_obstacle_t* obstacle = &scene->obstacles[k];
         obstacle->kind = (int8_t)clamped(obstacle->kind, LCM_SSV_OBSTACLE_T_KIND_CAPSULE, LCM_SSV_OBSTACLE_T_KIND_WALL);

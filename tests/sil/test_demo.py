@@ -85,7 +85,7 @@ class TablesTest(unittest.TestCase):
                               env=ENVIRONMENT)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         for words in ("Table 5", "Table 6", "Table 7", "Why they differ",
-                      "9 plans by the paper's method received over LCM", "thrust segments each, planned in",
+                      "keeps clear by", "9 plans by the paper's method received over LCM", "thrust segments each, planned in",
                       "3 plans by method optimal, effort best, received over LCM", "flown s", "times real time",
                       ": hit, attempt"):
             self.assertIn(words, done.stdout)

@@ -152,8 +152,9 @@ scene_nearest_t scene_nearest(const ssv_scenario_t* s, const ssv_plan_t* plan, i
     // What may be touched: how far each pose is from the end of its phase, along the way of the point that touches.
     const double lacks = margin + radius + beam_radius - real_to_double(s->standoff_m) + 0.01;
     const double mating_m = fmax(last_stretch(real_to_double(s->approach_mate_m)), lacks);
-    const double docking_m = last_stretch(real_to_double(s->approach_dock_m));
-    double ahead[2] = {0, 0}, point_speed[SSV_MAX_LEGS];
+    const double docking_m = last_stretch(real_to_double(s->approach_dock_m)), leaving_m = fmax(last_stretch(0), lacks);
+    double ahead[2] = {0, 0}, behind = 0, point_speed[SSV_MAX_LEGS];
+    const tube_t start = ball(point_of(s->X_IS.p), radius);
     for (int k = 0; k < plan->num_legs; k++) {
         const ssv_leg_t* leg = &plan->leg[k];
         point_t contact = {{0, 0, 0}};
@@ -185,7 +186,12 @@ scene_nearest_t scene_nearest(const ssv_scenario_t* s, const ssv_plan_t* plan, i
             for (int o = 0; scene != NULL && o < scene->num_obstacles; o++) {
                 if ((s->obstacles >> o & 1) == 0) continue;
                 const bool ports_own = docks && to_obstacle(&port, &scene->obstacle[o]) < 1e-6;
-                take(&nearest, to_obstacle(&hull, &scene->obstacle[o]), k, at, o, false);
+                // What it lets go of it may touch at first, and again a little more for rounding.
+                const double apart = to_obstacle(&hull, &scene->obstacle[o]);
+                const bool leaves = leg->phase == SSV_TRANSIT && behind + point_speed[k] * at <= leaving_m + 1e-5 &&
+                                    (s->left >> o & 1) != 0 &&
+                                    apart >= to_obstacle(&start, &scene->obstacle[o]) - 0.0011;
+                if (!leaves) take(&nearest, apart, k, at, o, false);
                 if (leg->phase == SSV_TRANSFER && !ports_own)
                     take(&nearest, to_obstacle(&beam, &scene->obstacle[o]), k, at, o, true);
             }
@@ -197,6 +203,7 @@ scene_nearest_t scene_nearest(const ssv_scenario_t* s, const ssv_plan_t* plan, i
             }
         }
         ahead[leg->phase] -= point_speed[k] * length;
+        behind += point_speed[k] * length;
     }
     return nearest;
 }

@@ -105,7 +105,7 @@ static void random_plan(lcm_ssv_plan_t* plan) {
     random_quote(&plan->quote);
     plan->plan_hash = (int64_t)random_bits();
     plan->num_legs = (int32_t)(random_bits() % 9);
-    plan->num_arcs = (int32_t)(random_bits() % 65);
+    plan->num_arcs = (int32_t)(random_bits() % 81);
     plan->num_segments = (int32_t)(random_bits() % 129);
     plan->num_events = (int32_t)(random_bits() % 3);
     plan->legs = calloc((size_t)plan->num_legs + 1, sizeof *plan->legs);

@@ -9,7 +9,7 @@
 #define SSV_MAX_CANDIDATES (SSV_NUM_CONTACTS * SSV_MAX_ATTACH_HEIGHTS)
 #define SSV_MAX_LEGS 8
 /// Arcs of all legs together; one arc has one quadratic dv/dt = a0 + a1 v + a2 v^2 of the speed along a leg.
-#define SSV_MAX_ARCS 64
+#define SSV_MAX_ARCS 80
 /// Most points of a front.
 #define SSV_MAX_FRONT 24
 
