@@ -668,11 +668,14 @@ class UsageTest(InFolder):
 
     def test_help_has_examples_and_every_exit_code(self):
         every = ["0", "1", "2", "3", "4", "5", "64"]
-        for command, expected in (("plan", every), ("quote", every), ("scenario", ["0", "1", "2", "64"])):
+        for command, expected in (("plan", every), ("quote", every), ("scenario", ["0", "1", "2", "64"]),
+                                  ("fly", sorted([*every, "6", "7"]))):
             done = ssv(command, "--help")
             self.assertEqual(done.returncode, 0)
             self.assertIn("Examples:", done.stdout)
-            codes = [line.split()[0] for line in re.split("Exit codes.*:", done.stdout)[1].splitlines() if line.strip()]
+            lines = [line for line in re.split("Exit codes.*:", done.stdout)[1].splitlines() if line.strip()]
+            self.assertEqual([line for line in lines if not re.match("  ( [0-9]|[0-9]{2}|  )  ", line)], []) # none was wrapped
+            codes = [line.split()[0] for line in lines]
             self.assertEqual(sorted(code for code in codes if code.isdigit()), expected)
             self.assertLessEqual(max(map(len, done.stdout.splitlines())), 80)
             self.assertIn(f"  {command} ", ssv("--help").stdout)
@@ -1281,10 +1284,22 @@ class OverLcmTest(InFolder):
         self.assertEqual(done.returncode, 4)
         self.assertIn(SILENT_URL, done.stderr)
 
-    def test_an_address_that_is_none_is_told(self):
-        done = ssv("plan", PAPER_CASE, "--lcm=nonsense://")
-        self.assertEqual(done.returncode, 4)
-        self.assertIn("nonsense://", done.stderr)
+    def test_an_address_that_cannot_be_opened_is_told_with_what_is_wrong_about_it(self):
+        for url, words in (("nonsense", "an address reads udpm://239.255.76.67:7667?ttl=0"),
+                           ("nonsense://", "an address reads udpm://239.255.76.67:7667?ttl=0"),
+                           ("udpm://10.0.0.1:7667", "'10.0.0.1' is no multicast group, which is 224.0.0.0 to 239.255.255.255"),
+                           ("udpm://240.0.0.1", "'240.0.0.1' is no multicast group"),
+                           ("udpm://planner:7667?ttl=1", "'planner' is no multicast group"),
+                           ("udpm://239.255.76.67:99999", "'99999' is no port, which is 1 to 65535"),
+                           ("tcpq://127.0.0.1:1", "no LCM server answers there")):
+            with self.subTest(url):
+                plan = ssv("plan", PAPER_CASE, f"--lcm={url}")
+                daemon = subprocess.run([BIN / "ssv-plannerd", "--lcm-url", url], capture_output=True, text=True, timeout=60)
+                for done, line in ((plan, f"no LCM on {url}: "), (daemon, f"cannot open LCM at {url}: ")):
+                    self.assertEqual(done.returncode, 4, done)
+                    self.assertIn(line, done.stderr)
+                    self.assertIn(words, done.stderr)
+                    self.assertNotIn("route", done.stderr.splitlines()[-1])
 
 
 class HostileAnswerTest(InFolder):
