@@ -165,6 +165,29 @@ static void reason_add_overflow(char* reason) {
                "a number does not fit the planner's arithmetic, " REAL_NAME "; ask a planner that computes in double");
 }
 
+/// "[0, 0, 1]" for a direction of the vehicle.
+static void reason_add_direction(char* reason, vec3_t n_S) {
+    const double n[3] = {real_to_double(n_S.x), real_to_double(n_S.y), real_to_double(n_S.z)};
+    reason_add(reason, " [%.2g, %.2g, %.2g]", n[0], n[1], n[2]);
+}
+
+static void reason_add_lack(char* reason, const ssv_lack_t* lack) {
+    const bool no_push = vec3_norm(lack->push_S) > REAL(0), no_turn = vec3_norm(lack->turn_S) > REAL(0);
+    reason_add(reason, ": placed so that they cannot");
+    if (no_push) {
+        reason_add(reason, " push along");
+        reason_add_direction(reason, lack->push_S);
+        reason_add(reason, "%s", lack->coupled ? " without a turn" : "");
+    }
+    reason_add(reason, "%s", no_push && no_turn ? ", nor" : "");
+    if (no_turn) {
+        reason_add(reason, " turn about");
+        reason_add_direction(reason, lack->turn_S);
+        reason_add(reason, "%s", lack->coupled ? " without a push" : "");
+    }
+    reason_add(reason, " (x, y, z of the vehicle)");
+}
+
 /// The fault in words: where, what, and what would be right.
 static void reason_add_fault(char* reason, const ssv_fault_t* fault) {
     const double value = real_to_double(fault->value);
@@ -184,7 +207,7 @@ static void reason_add_fault(char* reason, const ssv_fault_t* fault) {
             reason_add(reason, ": %.9g is outside its range [%.9g, %.9g]", value, min, max);
             break;
         case SSV_E_NOT_UNIT: reason_add(reason, ": length %.9g is not 1 within %.1g", value, max - 1); break;
-        case SSV_E_SINGULAR: reason_add(reason, ": placed so that they cannot hold every force and moment"); break;
+        case SSV_E_SINGULAR: reason_add_lack(reason, &fault->lack); break;
         case SSV_E_WEIGHTS:
             reason_add(reason, " and weight_impulse_per_Ns: both are zero, one must be positive");
             break;

@@ -21,6 +21,7 @@
 #include "lcm_ssv_planner_status_t.h"
 #include "log.h"
 #include "questions.h"
+#include "ssv/address.h"
 #include "ssv/answer.h"
 #include "ssv/check.h"
 
@@ -625,16 +626,15 @@ int main(int argc, char** argv) {
     const char* default_url = getenv("LCM_DEFAULT_URL");
     const char* url = options.lcm_url != NULL ? options.lcm_url
                       : default_url != NULL   ? default_url
-                                              : "LCM's default URL";
+                                              : "udpm://239.255.76.67:7667?ttl=0";
     if (!open_signals(&self)) {
         log_line(LOG_ERROR, "cannot receive signals: %s", strerror(errno));
         return EXIT_FAILURE;
     }
     if (!open_lcm(&self, options.lcm_url)) {
-        log_line(LOG_ERROR,
-                 "cannot open LCM at %s. If the machine has no multicast route, add one: "
-                 "`sudo ip route add 224.0.0.0/4 dev lo`; or name another provider with --lcm-url",
-                 url);
+        char advice[SSV_ADVICE_SIZE];
+        ssv_address_advice(url, advice);
+        log_line(LOG_ERROR, "cannot open LCM at %s: %s", url, advice);
         return EXIT_LCM;
     }
     if (!draw_id(&self.status.planner.planner_id)) {

@@ -11,6 +11,7 @@
 
 #include "channels.h"
 #include "lcm_ssv_planner_status_t.h"
+#include "ssv/address.h"
 #include "wire/message.h"
 #include "wire/names.h"
 
@@ -98,14 +99,18 @@ static void with_room(const char* url, char* roomy, size_t size) {
     if (length < 0 || (size_t)length >= size) snprintf(roomy, size, "%s", url);
 }
 
+static void tell_no_lcm(const line_t* line, char* error, size_t error_size) {
+    char advice[SSV_ADVICE_SIZE];
+    ssv_address_advice(url_in_use(line->url), advice);
+    snprintf(error, error_size, "no LCM on %s: %s", url_in_use(line->url), advice);
+}
+
 bool line_open(line_t* line, lcm_msg_handler_t received, void* context, char* error, size_t error_size) {
     char url[1024];
     with_room(url_in_use(line->url), url, sizeof url);
     line->lcm = lcm_create(url);
     if (line->lcm == NULL) {
-        snprintf(error, error_size,
-                 "no LCM on %s; for UDP multicast the machine needs a route, e.g. ip route add 224.0.0.0/4 dev lo",
-                 url_in_use(line->url));
+        tell_no_lcm(line, error, error_size);
         return false;
     }
     if (line_hear(line, line->answer_channel, received, context, error, error_size) &&
@@ -120,7 +125,7 @@ bool line_hear(line_t* line, const char* channel, lcm_msg_handler_t received, vo
                size_t error_size) {
     lcm_subscription_t* const subscription = lcm_subscribe(line->lcm, channel, received, context);
     if (subscription == NULL || lcm_subscription_set_queue_capacity(subscription, QUEUE_CAPACITY) != 0) {
-        snprintf(error, error_size, "cannot set up LCM on %s", url_in_use(line->url));
+        tell_no_lcm(line, error, error_size);
         return false;
     }
     return true;

@@ -140,15 +140,24 @@ static void legs_table(FILE* out, const lcm_ssv_plan_t* plan) {
 }
 
 /// The best possible plan costs no less than the bound, so the plan's distance from the bound is the most it can be
-/// off.
+/// off. Beyond WEAK_PERCENT that says little of the plan and much of the bound.
+#define WEAK_PERCENT 100
 static double gap_percent(const lcm_ssv_quote_t* quote) { return 100 * (quote->cost / quote->cost_lower_bound - 1); }
 
-static void bound_line(FILE* out, const lcm_ssv_quote_t* quote) {
-    fprintf(out, "No plan of any kind costs less than %.3f", quote->cost_lower_bound);
-    if (quote->cost_lower_bound > 0) {
-        fprintf(out, ": this one is at most %.1f %% above the best possible", gap_percent(quote));
+static void bound_line(FILE* out, const lcm_ssv_scenario_t* question, const lcm_ssv_quote_t* quote) {
+    if (!(quote->cost_lower_bound > 0)) {
+        fprintf(out, "No lower bound is known: %s\n",
+                question->vehicle.body.drag_lin_kg_s > 0
+                    ? "there is hardly anything to fly"
+                    : "it would follow from the vehicle's linear drag, of which there is none");
+    } else if (gap_percent(quote) > WEAK_PERCENT) {
+        fprintf(out,
+                "No plan of any kind costs less than %.3f, a weak bound: it knows of the vehicle's linear drag alone\n",
+                quote->cost_lower_bound);
+    } else {
+        fprintf(out, "No plan of any kind costs less than %.3f: this one is at most %.1f %% above the best possible\n",
+                quote->cost_lower_bound, gap_percent(quote));
     }
-    fputc('\n', out);
 }
 
 /// What an obstacle of a clearance_t is called.
@@ -196,7 +205,7 @@ bool report_plan_table(FILE* out, const void* report) {
     const bool is_optimal = question->options.method == LCM_SSV_OPTIONS_T_METHOD_OPTIMAL;
     fprintf(out, "%s: J = %.9g /s x %.3f s + %.9g /(N s) x %.3f N s = %.3f\n", title, question->weight_time_per_s,
             quote->time_s, question->weight_impulse_per_Ns, quote->impulse_Ns, quote->cost);
-    bound_line(out, quote);
+    bound_line(out, question, quote);
     fprintf(out, "Mates at height %+.4f m, ring angle %+.1f deg; contact %d docks\n", quote->choice.attach_height_m,
             quote->choice.ring_angle_rad * DEG_PER_RAD, quote->choice.contact);
     clearance_line(out, plan);
@@ -232,10 +241,10 @@ static void quote_row(FILE* out, int path_width, const char* path, const lcm_ssv
     }
     fprintf(out, "  %11.3f  %9.3f  %11.3f  %11.3f", quote->cost, quote->time_s, quote->impulse_Ns,
             quote->cost_lower_bound);
-    if (quote->cost_lower_bound > 0) {
-        fprintf(out, "  %6.1f", gap_percent(quote));
+    if (!(quote->cost_lower_bound > 0) || gap_percent(quote) > WEAK_PERCENT) {
+        fprintf(out, "  %6s", quote->cost_lower_bound > 0 ? "weak" : "none");
     } else {
-        fprintf(out, "  %6s", "-");
+        fprintf(out, "  %6.1f", gap_percent(quote));
     }
     fprintf(out, "  %7d  %+8.4f\n", quote->choice.contact, quote->choice.attach_height_m);
 }

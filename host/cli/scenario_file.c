@@ -14,7 +14,8 @@
 #include "ssv/planner.h"
 #include "wire/message.h"
 
-#define NUM_PORTS 3
+/// Of a hub.
+#define MAX_PORTS 8
 #define NAMES_MAX 64
 /// Keys of a scenario that are dealt with one by one.
 #define FIXED_KEYS 13
@@ -399,23 +400,26 @@ static bool read_direction(layout_t* layout, const tree_t* map, const char* key,
 
 /// A hub where it stands.
 typedef struct {
-    double p_IH_m[3], p_IP_m[NUM_PORTS][3], axis_I[NUM_PORTS][3];
-    int port;               ///< [0, NUM_PORTS) that the scenario names
+    double p_IH_m[3], p_IP_m[MAX_PORTS][3], axis_I[MAX_PORTS][3];
+    int num_ports;
+    int port;               ///< [0, num_ports) that the scenario names
     const tree_t* radius_m; ///< of its sphere; NULL if the model does not say
 } hub_t;
 
 /// The ports of a model's hub, all of which must make sense.
-static bool read_ports(layout_t* layout, const tree_t* hub, double p_HP_m[NUM_PORTS][3], double axis_H[NUM_PORTS][3]) {
+static bool read_ports(layout_t* layout, const tree_t* hub, double p_HP_m[MAX_PORTS][3], double axis_H[MAX_PORTS][3],
+                       int* num_ports) {
     const move_t of_hub[] = {{"ports", true, NULL, NULL}, {"radius_m", false, NULL, NULL}};
     const move_t of_port[] = {{"p_HP_m", true, NULL, NULL}, {"axis_H", true, NULL, NULL}};
     if (!lay_out(layout, hub, of_hub, LENGTH(of_hub), NULL, 0)) {
         return false;
     }
     const tree_t* const ports = tree_get(hub, "ports");
-    if (ports->kind != TREE_LIST || ports->count != NUM_PORTS) {
-        return tree_fail(layout->error, ports, "%d entries, there must be exactly %d", ports->count, NUM_PORTS);
+    if (ports->kind != TREE_LIST || ports->count < 1 || ports->count > MAX_PORTS) {
+        return tree_fail(layout->error, ports, "%d entries, there must be 1 to %d", ports->count, MAX_PORTS);
     }
-    for (int i = 0; i < NUM_PORTS; i++) {
+    *num_ports = ports->count;
+    for (int i = 0; i < ports->count; i++) {
         const tree_t* const port = ports->entries[i].value;
         if (!lay_out(layout, port, of_port, LENGTH(of_port), NULL, 0) ||
             !read_numbers(layout, port, "p_HP_m", 3, p_HP_m[i]) ||
@@ -428,9 +432,14 @@ static bool read_ports(layout_t* layout, const tree_t* hub, double p_HP_m[NUM_PO
 }
 
 /// The number of a port, counted from 0.
-static bool read_port(layout_t* layout, const tree_t* number, int* port) {
-    if (number->kind != TREE_INTEGER || number->integer < 1 || number->integer > NUM_PORTS) {
-        return tree_fail(layout->error, number, "'%.40s' is none of 1, 2, 3", number->text == NULL ? "" : number->text);
+static bool read_port(layout_t* layout, const tree_t* number, int num_ports, int* port) {
+    if (number->kind != TREE_INTEGER || number->integer < 1 || number->integer > num_ports) {
+        char all[3 * MAX_PORTS + 1] = "";
+        for (int i = 0; i < num_ports; i++) {
+            const size_t used = strlen(all);
+            snprintf(all + used, sizeof all - used, "%s%d", i > 0 ? ", " : "", i + 1);
+        }
+        return tree_fail(layout->error, number, "'%.40s' is none of %s", number->text == NULL ? "" : number->text, all);
     }
     *port = (int)number->integer - 1;
     return true;
@@ -439,21 +448,21 @@ static bool read_port(layout_t* layout, const tree_t* number, int* port) {
 /// The hub in I from its pose (scenario file) and the ports in H (model file).
 static bool read_hub(layout_t* layout, const tree_t* from, const tree_t* model, hub_t* hub) {
     const move_t moves[] = {{"p_IH_m", true, NULL, NULL}, {"q_IH", true, NULL, NULL}, {"port", true, NULL, NULL}};
-    double q_IH[4] = {0}, p_HP_m[NUM_PORTS][3] = {{0}}, axis_H[NUM_PORTS][3] = {{0}};
+    double q_IH[4] = {0}, p_HP_m[MAX_PORTS][3] = {{0}}, axis_H[MAX_PORTS][3] = {{0}};
     if (!lay_out(layout, from, moves, LENGTH(moves), NULL, 0) ||
         !read_numbers(layout, from, "p_IH_m", 3, hub->p_IH_m) || !read_numbers(layout, from, "q_IH", 4, q_IH) ||
-        !check_unit(layout, tree_get(from, "q_IH"), q_IH, 4) ||
-        !read_port(layout, tree_get(from, "port"), &hub->port)) {
+        !check_unit(layout, tree_get(from, "q_IH"), q_IH, 4)) {
         return false;
     }
     if (tree_get(model, "hub") == NULL) {
         return tree_fail_key(layout->error, model, NULL, "hub", "this key is missing; the scenario names a port of it");
     }
-    if (!read_ports(layout, tree_get(model, "hub"), p_HP_m, axis_H)) {
+    if (!read_ports(layout, tree_get(model, "hub"), p_HP_m, axis_H, &hub->num_ports) ||
+        !read_port(layout, tree_get(from, "port"), hub->num_ports, &hub->port)) {
         return false;
     }
     hub->radius_m = tree_get(tree_get(model, "hub"), "radius_m");
-    for (int k = 0; k < NUM_PORTS; k++) {
+    for (int k = 0; k < hub->num_ports; k++) {
         turn(q_IH, p_HP_m[k], hub->p_IP_m[k]);
         turn(q_IH, axis_H[k], hub->axis_I[k]);
         for (int i = 0; i < 3; i++) {
@@ -507,7 +516,7 @@ static bool lay_out_capsule(layout_t* layout, const tree_t* from, tree_t* list) 
                             {"to_I_m", false, NULL, NULL},
                             {"axis_I", !has_end, NULL, NULL},
                             {"length_m", !has_end, NULL, NULL}};
-    double from_m[3], to_m[3], axis_I[3] = {0, 0, 0}, length_m = 0;
+    double from_m[3] = {0}, to_m[3] = {0}, axis_I[3] = {0}, length_m = 0;
     if (!lay_out(layout, from, moves, LENGTH(moves), NULL, 0) || !read_numbers(layout, from, "p_I_m", 3, from_m)) {
         return false;
     }
@@ -531,7 +540,7 @@ static bool lay_out_capsule(layout_t* layout, const tree_t* from, tree_t* list) 
 
 static bool lay_out_wall(layout_t* layout, const tree_t* from, tree_t* list) {
     const move_t moves[] = {{"p_I_m", true, NULL, NULL}, {"axis_I", true, NULL, NULL}};
-    double axis_I[3];
+    double axis_I[3] = {0};
     return lay_out(layout, from, moves, LENGTH(moves), NULL, 0) && read_direction(layout, from, "axis_I", axis_I) &&
            put_obstacle(layout, list, "wall", from, NULL, axis_I, 0, NULL);
 }
@@ -585,7 +594,7 @@ static bool lay_out_box(layout_t* layout, const tree_t* from, tree_t* tank) {
 static bool lay_out_cylinder(layout_t* layout, const tree_t* from, tree_t* tank) {
     const move_t moves[] = {
         {"p_I_m", true, tank, "from_I_m"}, {"height_m", true, NULL, NULL}, {"radius_m", true, tank, "radius_m"}};
-    double lid_m[3], height_m;
+    double lid_m[3] = {0}, height_m = 0;
     if (!put_text(layout, tank, "kind", "cylinder", from) || !lay_out(layout, from, moves, LENGTH(moves), NULL, 0) ||
         !read_numbers(layout, from, "p_I_m", 3, lid_m) || !read_number(layout, from, "height_m", &height_m)) {
         return false;
@@ -614,7 +623,7 @@ static bool lay_out_avoid(layout_t* layout, const tree_t* from, const hub_t* hub
     const move_t moves[] = {{"hub", false, NULL, NULL}, {"built", false, NULL, NULL}};
     const tree_t* const beam_radius_m = tree_get(tree_get(message, "beam"), "radius_m");
     double beam_length_m = 0;
-    bool is_built[NUM_PORTS] = {false};
+    bool is_built[MAX_PORTS] = {false};
     if (!lay_out(layout, from, moves, LENGTH(moves), NULL, 0) ||
         !read_number(layout, tree_get(message, "beam"), "length_m", &beam_length_m)) {
         return false;
@@ -637,7 +646,7 @@ static bool lay_out_avoid(layout_t* layout, const tree_t* from, const hub_t* hub
     for (int i = 0; built != NULL && i < built->count; i++) {
         const tree_t* const number = built->entries[i].value;
         int port = 0;
-        if (!read_port(layout, number, &port)) {
+        if (!read_port(layout, number, hub->num_ports, &port)) {
             return false;
         }
         if (port == hub->port || is_built[port]) {

@@ -17,6 +17,7 @@ GUIDANCE_API = "firmware/include/ssv/guidance.h"
 EXECUTIVE_API = "firmware/include/ssv/executive.h"
 ANSWER_API = "firmware/include/ssv/answer.h"
 CHECK_API = "firmware/include/ssv/check.h"
+ADDRESS_API = "firmware/include/ssv/address.h"
 FIELDS = "firmware/planner/model/fields.def"
 # The planner's own model, which the observer runs on.
 MODEL = tuple(f"firmware/planner/model/{name}.h" for name in ("body", "allocation", "grasp"))
@@ -32,10 +33,10 @@ MAY_INCLUDE = {
     "firmware/executive": {*CORE_API, LINK_API, GUIDANCE_API, EXECUTIVE_API},
     "firmware/bench": {TIMELINE_API, LINK_API, VEHICLE_API},
     "firmware/target": set(),
-    "firmware/daemon": {*CORE_API, ANSWER_API, CHECK_API, LINK_API, GUIDANCE_API, EXECUTIVE_API, "firmware/bench",
+    "firmware/daemon": {*CORE_API, ANSWER_API, CHECK_API, ADDRESS_API, LINK_API, GUIDANCE_API, EXECUTIVE_API, "firmware/bench",
                         FIELDS, "lcmtypes", "lcm"},
     "host/wire": {ANSWER_API, "lcmtypes", "fyaml", "jansson"},
-    "host": {*CORE_API, ANSWER_API, CHECK_API, *WIRE_API, "lcmtypes", "lcm", "jansson"},
+    "host": {*CORE_API, ANSWER_API, CHECK_API, ADDRESS_API, *WIRE_API, "lcmtypes", "lcm", "jansson"},
     "sim/physics": set(),
     "sim/replay": {"sim/physics", "jansson"},
     "sim/sil": {"sim/physics", "sim/replay", TIMELINE_API, LINK_API, VEHICLE_API, "firmware/bench", "host/wire/tree.h"},

@@ -145,7 +145,7 @@ class BadInputTest(InFolder):
 
     def test_a_word_that_is_no_choice_is_refused_with_the_choices(self):
         self.assert_refused(self.scenario(("contact: 1", "contact: 3")), "beam.contact: '3'", "either, 1, 2")
-        self.assert_refused(self.scenario(("port: 1", "port: 4"), base=PORT1), "hub.port: '4'", "1, 2, 3")
+        self.assert_refused(self.scenario(("port: 1", "port: 4"), base=PORT1), "hub.port: '4' is none of 1, 2, 3")
         for key, word, choices in (("method", "fastest", "optimal, paper"), ("effort", "1", "quick, best"),
                                    ("candidates", "yes", "false, true"), ("front", "1", "false, true"),
                                    ("attach_anywhere", "on", "false, true")):
@@ -269,6 +269,26 @@ class ModelTest(InFolder):
         (self.folder / "mine.yaml").write_text(model[:model.index("# Table 2")])
         self.assertEqual(ssv("plan", self.scenario(("model: paper", "model: mine.yaml"))).returncode, 0)
         self.assert_refused(self.scenario(("model: ease", "model: mine.yaml"), base=PORT1), "mine.yaml:", "hub: this key is missing")
+
+    def test_a_hub_has_one_to_eight_ports(self):
+        model = (HOST / "models" / "ease.yaml").read_text()
+        head, ports = model.split("  ports:\n")
+        port = ports.splitlines(keepends=True)[0]
+        task = PORT1.read_text().replace("model: ease", "model: mine.yaml")
+        for count, numbers in ((1, [1]), (8, [1, 8])):
+            (self.folder / "mine.yaml").write_text(head + "  ports:\n" + port * count)
+            for number in numbers:
+                (self.folder / "task.yaml").write_text(task.replace("port: 1", f"port: {number}"))
+                with self.subTest(count=count, number=number):
+                    expected, mine = (json.loads(ssv("plan", path, "--format", "json").stdout)
+                                      for path in (PORT1, self.folder / "task.yaml"))
+                    self.assertEqual(mine["plan"]["plan_hash"], expected["plan"]["plan_hash"])
+            (self.folder / "task.yaml").write_text(task.replace("port: 1", f"port: {count + 1}"))
+            self.assert_refused(self.folder / "task.yaml", f"hub.port: '{count + 1}' is none of 1")
+        for count in (0, 9):
+            (self.folder / "mine.yaml").write_text(head + ("  ports:\n" + port * count if count else "  ports: []\n"))
+            (self.folder / "task.yaml").write_text(task)
+            self.assert_refused(self.folder / "task.yaml", "mine.yaml:", f"hub.ports: {count} entries, there must be 1 to 8")
 
     def test_a_file_that_is_no_model_is_not_repeated(self):
         for content in ("secret: 1\n", "secret\n", "- secret\n", "secret: [\n", "Secret word: {\n", "secret:secret:0\nsecret\n"):
@@ -648,11 +668,14 @@ class UsageTest(InFolder):
 
     def test_help_has_examples_and_every_exit_code(self):
         every = ["0", "1", "2", "3", "4", "5", "64"]
-        for command, expected in (("plan", every), ("quote", every), ("scenario", ["0", "1", "2", "64"])):
+        for command, expected in (("plan", every), ("quote", every), ("scenario", ["0", "1", "2", "64"]),
+                                  ("fly", sorted([*every, "6", "7"]))):
             done = ssv(command, "--help")
             self.assertEqual(done.returncode, 0)
             self.assertIn("Examples:", done.stdout)
-            codes = [line.split()[0] for line in re.split("Exit codes.*:", done.stdout)[1].splitlines() if line.strip()]
+            lines = [line for line in re.split("Exit codes.*:", done.stdout)[1].splitlines() if line.strip()]
+            self.assertEqual([line for line in lines if not re.match("  ( [0-9]|[0-9]{2}|  )  ", line)], []) # none was wrapped
+            codes = [line.split()[0] for line in lines]
             self.assertEqual(sorted(code for code in codes if code.isdigit()), expected)
             self.assertLessEqual(max(map(len, done.stdout.splitlines())), 80)
             self.assertIn(f"  {command} ", ssv("--help").stdout)
@@ -860,7 +883,28 @@ class PlanJsonTest(InFolder):
                 table = ssv("plan", HOST / "scenarios" / f"{name}.yaml", *METHODS[method]).stdout
                 cost, least = plan["plan"]["quote"]["cost"], plan["plan"]["quote"]["cost_lower_bound"]
                 self.assertIn(f"No plan of any kind costs less than {least:.3f}", table)
-                self.assertIn(f"at most {100 * (cost / least - 1):.1f} % above the best possible", table)
+                gap = 100 * (cost / least - 1)
+                self.assertIn(f": this one is at most {gap:.1f} % above the best possible" if gap <= 100 else ", a weak bound: ", table)
+
+    def test_a_bound_that_says_nothing_of_the_plan_is_told_in_words(self):
+        drag = "drag_lin_kg_s: 413.685 "
+        done_already = self.folder / "done.yaml"  # 1 nm off where the vehicle is to be, and the beam's end from the port
+        done_already.write_text("model: ease\nvehicle: {p_IS_m: [0.363100001, 0, 0], q_IS: [0, 0, 0, 1]}\n"
+                                "beam: {p_IB_m: [0, 0, 0], q_IB: [1, 0, 0, 0], contact: 2}\n"
+                                "port: {p_IP_m: [0, 0, 1.524000001], axis_I: [0, 0, -1]}\n"
+                                "weights: {time: 1, impulse: 1}\nattach_heights_m: [0]\n")
+        cases = [("a weak bound: it knows of the vehicle's linear drag alone", "weak",
+                  lambda: self.scenario_with_model((drag, "drag_lin_kg_s: 0.5 "))),
+                 ("No lower bound is known: it would follow from the vehicle's linear drag, of which there is none", "none",
+                  lambda: self.scenario_with_model((drag, "drag_lin_kg_s: 0 "))),
+                 ("No lower bound is known: there is hardly anything to fly", "none", lambda: done_already)]
+        for words, gap, make in cases:
+            with self.subTest(words):
+                path = make()
+                line = ssv("plan", path).stdout.splitlines()[1]
+                self.assertIn(words, line)
+                self.assertNotIn("%", line)
+                self.assertEqual(ssv("quote", path).stdout.splitlines()[1].split()[5], gap)
 
 
 CANDIDATE_SHAPE = {"contact": "integer", "attach_height_m": "real", "ring_angle_rad": "real", "reason": "text",
@@ -975,7 +1019,7 @@ class QuoteTest(InFolder):
             gap = 100 * (cost["cost"] / cost["cost_lower_bound"] - 1)
             prices = [f"{cost[key]:.3f}" for key in ("cost", "time_s", "impulse_Ns", "cost_lower_bound")]
             where = [str(choice["contact"]), f"{choice['attach_height_m']:+.4f}"]
-            self.assertEqual(line.split(), [str(path), *prices, f"{gap:.1f}", *where])
+            self.assertEqual(line.split(), [str(path), *prices, f"{gap:.1f}" if gap <= 100 else "weak", *where])
 
     def test_a_task_that_is_refused_or_has_no_plan_leaves_the_others_alone_and_the_worst_decides_the_exit_code(self):
         far = self.other("far.yaml", ("p_IS_m: [0, 0, 0]", "p_IS_m: [-900, 0, 0]"))
@@ -1261,10 +1305,22 @@ class OverLcmTest(InFolder):
         self.assertEqual(done.returncode, 4)
         self.assertIn(SILENT_URL, done.stderr)
 
-    def test_an_address_that_is_none_is_told(self):
-        done = ssv("plan", PAPER_CASE, "--lcm=nonsense://")
-        self.assertEqual(done.returncode, 4)
-        self.assertIn("nonsense://", done.stderr)
+    def test_an_address_that_cannot_be_opened_is_told_with_what_is_wrong_about_it(self):
+        for url, words in (("nonsense", "an address reads udpm://239.255.76.67:7667?ttl=0"),
+                           ("nonsense://", "an address reads udpm://239.255.76.67:7667?ttl=0"),
+                           ("udpm://10.0.0.1:7667", "'10.0.0.1' is no multicast group, which is 224.0.0.0 to 239.255.255.255"),
+                           ("udpm://240.0.0.1", "'240.0.0.1' is no multicast group"),
+                           ("udpm://planner:7667?ttl=1", "'planner' is no multicast group"),
+                           ("udpm://239.255.76.67:99999", "'99999' is no port, which is 1 to 65535"),
+                           ("tcpq://127.0.0.1:1", "no LCM server answers there")):
+            with self.subTest(url):
+                plan = ssv("plan", PAPER_CASE, f"--lcm={url}")
+                daemon = subprocess.run([BIN / "ssv-plannerd", "--lcm-url", url], capture_output=True, text=True, timeout=60)
+                for done, line in ((plan, f"no LCM on {url}: "), (daemon, f"cannot open LCM at {url}: ")):
+                    self.assertEqual(done.returncode, 4, done)
+                    self.assertIn(line, done.stderr)
+                    self.assertIn(words, done.stderr)
+                    self.assertNotIn("route", done.stderr.splitlines()[-1])
 
 
 class HostileAnswerTest(InFolder):

@@ -170,17 +170,46 @@ static void test_allocation_makes_the_wrench_that_was_asked_for(void) {
     }
 }
 
-static void test_thrusters_that_miss_a_direction_are_singular(void) {
-    ssv_allocation_t inverse;
-    ssv_vehicle_t vehicle = model_vehicle();
-    vehicle.thruster[5] = vehicle.thruster[4];
-    TEST_ASSERT_EQUAL_INT(SSV_E_SINGULAR, ssv_alloc_init(&vehicle, &inverse));
-    vehicle = model_vehicle();
-    for (int i = 0; i < 6; i++) vehicle.thruster[i].p_ST_m = none;
-    TEST_ASSERT_EQUAL_INT(SSV_E_SINGULAR, ssv_alloc_init(&vehicle, &inverse));
-    vehicle = model_vehicle();
-    vehicle.thruster[5].p_ST_m = vec3(0, 0.3024, 0); // next to its partner: six directions on paper, five in the water
-    TEST_ASSERT_EQUAL_INT(SSV_E_SINGULAR, ssv_alloc_init(&vehicle, &inverse));
+// What one layout lacks follows from its geometry; where that is more than one thing, what is named is checked alone:
+// no thruster serves it.
+static void test_thrusters_that_miss_a_direction_are_singular_and_it_is_named(void) {
+    enum { NUM = 6 };
+    static const double r = 0.3025; // of the hull
+    static const struct {
+        const char* name;
+        ssv_lack_t lack;
+    } expected[NUM] = {
+        {"one thruster twice", {{0, 0, 1}, {1, 0, 0}, true}}, // what is left pushes along z and turns about x at once
+        {"two next to one another", {{0, 0, 1}, {1, 0, 0}, true}},
+        {"nothing along z or about x", {{0, 0, 1}, {1, 0, 0}, false}},
+        {"nothing about x", {{0, 0, 0}, {1, 0, 0}, false}},
+        {"no moment at all", {{0, 0, 0}, {1, 0, 0}, false}},
+        {"a plane of thrusters along z", {{0, 1, 0}, {0, 0, 1}, false}},
+    };
+    ssv_vehicle_t layout[NUM];
+    for (int k = 0; k < NUM; k++) layout[k] = model_vehicle();
+    layout[0].thruster[5] = layout[0].thruster[4];
+    layout[1].thruster[5].p_ST_m = vec3(0, 0.3024, 0); // six directions on paper, five in the water
+    for (int i = 4; i < 6; i++) layout[2].thruster[i].n_T_S = vec3(i == 4 ? 1 : -1, 0, 0);
+    for (int i = 4; i < 6; i++) layout[3].thruster[i].p_ST_m = vec3(i == 4 ? r : -r, 0, 0);
+    for (int i = 0; i < 6; i++) layout[4].thruster[i].p_ST_m = none;
+    for (int i = 0; i < 6; i++) {
+        const double angle = i * acos(-1) / 3; // x is lacking, too
+        layout[5].thruster[i] = (ssv_thruster_t){{r * cos(angle), r * sin(angle), 0}, {0, 0, 1}};
+    }
+    for (int k = 0; k < NUM; k++) {
+        ssv_allocation_t inverse;
+        ssv_lack_t lack;
+        const ssv_lack_t* e = &expected[k].lack;
+        const char* const name = expected[k].name;
+        TEST_ASSERT_EQUAL_INT_MESSAGE(SSV_E_SINGULAR, ssv_alloc_init(&layout[k], &inverse, &lack), name);
+        // Either way along it is the same direction. Thrusters that are a little off make it so, too.
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.001, vec3_norm(e->push_S), fabs(vec3_dot(lack.push_S, e->push_S)), name);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.001, vec3_norm(e->turn_S), fabs(vec3_dot(lack.turn_S, e->turn_S)), name);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-12, vec3_norm(e->push_S), vec3_norm(lack.push_S), name);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-12, vec3_norm(e->turn_S), vec3_norm(lack.turn_S), name);
+        TEST_ASSERT_EQUAL_MESSAGE(e->coupled, lack.coupled, name);
+    }
 }
 
 int main(void) {
@@ -194,6 +223,6 @@ int main(void) {
     RUN_TEST(test_pair_centre_is_that_of_table_6);
     RUN_TEST(test_flight_of_the_pair_holds_full_wrench_with_10_62_newtons);
     RUN_TEST(test_allocation_makes_the_wrench_that_was_asked_for);
-    RUN_TEST(test_thrusters_that_miss_a_direction_are_singular);
+    RUN_TEST(test_thrusters_that_miss_a_direction_are_singular_and_it_is_named);
     return UNITY_END();
 }

@@ -160,6 +160,13 @@ typedef struct {
     real_t transfer_rate_max_rad_s;     ///< [rad/s] [0, 100] of the turning then
 } ssv_scenario_t;
 
+/// What thrusters cannot do, or hardly: a unit vector or zero each.
+typedef struct {
+    vec3_t push_S; ///< [-] a force along it
+    vec3_t turn_S; ///< [-] a moment about it
+    bool coupled;  ///< whether each of the two can be had with the other, and only so
+} ssv_lack_t;
+
 /// What is wrong with a scenario, where.
 typedef struct {
     ssv_status_t status;
@@ -167,6 +174,7 @@ typedef struct {
     int index;         ///< which element where the path has brackets, else -1
     real_t value;      ///< the offending number (for SSV_E_NOT_UNIT the length)
     real_t min, max;   ///< what would be accepted (SSV_E_RANGE, SSV_E_NOT_UNIT)
+    ssv_lack_t lack;   ///< SSV_E_SINGULAR: what the thrusters cannot do; else zero
 } ssv_fault_t;
 
 #endif

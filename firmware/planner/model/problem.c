@@ -13,7 +13,8 @@ typedef struct {
 } checker_t;
 
 static void fail(checker_t* checker, ssv_status_t status, const char* field, real_t value, real_t min, real_t max) {
-    *checker->fault = (ssv_fault_t){status, field, checker->index, value, min, max};
+    *checker->fault = (ssv_fault_t){
+        .status = status, .field = field, .index = checker->index, .value = value, .min = min, .max = max};
     checker->ok = false;
 }
 
@@ -198,8 +199,10 @@ ssv_status_t ssv_problem_init(ssv_problem_t* problem, const ssv_scenario_t* scen
     check_options(&checker, &s);
     check_later(&checker, &s);
     // An inverse that overflows is too large in any case.
-    if (checker.ok && ssv_alloc_init(&s.vehicle, &allocation) != SSV_OK) {
+    ssv_lack_t lack;
+    if (checker.ok && ssv_alloc_init(&s.vehicle, &allocation, &lack) != SSV_OK) {
         fail(&checker, SSV_E_SINGULAR, "vehicle.thruster", REAL(0), REAL(0), REAL(0));
+        fault->lack = lack;
     }
     if (!checker.ok) return fault->status;
     // From here on the thrusters are those that the plan may use.

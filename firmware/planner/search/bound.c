@@ -1,7 +1,9 @@
 #include "planner/search/bound.h"
 
 #include "planner/model/grasp.h"
+#include "planner/motion/tolerance.h"
 #include "planner/search/budget.h"
+#include "planner/search/tolerance.h"
 #include "ssv/planner.h"
 #include "ssv/vec3.h"
 
@@ -45,6 +47,13 @@ static bool can_row(const ssv_scenario_t* s) {
 // it ends each move by as much as the height.
 #define METRES_PER_HEIGHT REAL(3)
 
+// What the geometry of a plan may leave undone, and what rounding makes of where things are [m]: a flight that is no
+// longer may be none.
+static real_t negligible_m(const ssv_scenario_t* s) {
+    const real_t size_m = vec3_norm(s->X_IS.p) + vec3_norm(s->X_IB.p) + vec3_norm(s->p_IP_m);
+    return real_mul(SSV_LEFT_OUT, SSV_LENGTH_MIN) + real_mul(16 * REAL_NOISE, size_m);
+}
+
 real_t ssv_least_price(const ssv_question_t* question) {
     const ssv_scenario_t* s = &question->problem->scenario;
     const uint32_t overflows = real_overflows();
@@ -54,6 +63,7 @@ real_t ssv_least_price(const ssv_question_t* question) {
     const bool anywhere = s->attach_anywhere && question->method == SSV_METHOD_OPTIMAL;
     const int num = anywhere ? SSV_NUM_BOUND_STEPS + 1 : s->num_attach_heights;
     const real_t step = real_div(s->beam.length_m, REAL(SSV_NUM_BOUND_STEPS));
+    const real_t slack_m = negligible_m(s);
     real_t least = REAL(0);
     bool first = true;
     for (int contact = 1; contact <= SSV_NUM_CONTACTS; contact++) {
@@ -72,6 +82,7 @@ real_t ssv_least_price(const ssv_question_t* question) {
             }
             if (anywhere)
                 length_m = real_max(REAL(0), length_m - real_mul(METRES_PER_HEIGHT, real_mul(REAL(0.5), step)));
+            if (length_m < slack_m) length_m = REAL(0);
             if (first || length_m < least) least = length_m;
             first = false;
         }

@@ -61,6 +61,11 @@
 #define SSV_SHORTFALL_PER_M REAL(4)
 #define SSV_SHORTFALL_MOST_M REAL(1)
 
+/// So many times the shortest maneuver (planner/motion/tolerance.h) may go lost where maneuvers are left out: up to
+/// four in each of two phases, turns about pivots that are up to ten metres away. Smaller, and the bound may be above a
+/// price of next to nothing; larger, and tasks of a few micrometres have no bound.
+#define SSV_LEFT_OUT REAL(100)
+
 /// How closely what a trial lacks is told [m]. Smaller, and trials in the way take longer.
 #define SSV_SHORTFALL_BRACKET_M REAL(0.02)
 
