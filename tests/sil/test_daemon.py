@@ -794,10 +794,14 @@ class Process(DaemonTest):
         self.assert_sigterm_ends_it_under_a_flood(lambda i: b"junk", lambda status: status.rejected_undecodable > 1000)
 
     def test_without_a_way_to_open_lcm_it_says_what_to_do_and_ends_with_exit_code_4(self):
-        result = self.run_daemon("--lcm-url", "nonsense://")
-        self.assertEqual(result.returncode, 4)
-        for word in ("nonsense://", "ip route add 224.0.0.0/4", "--lcm-url"):
-            self.assertIn(word, result.stderr)
+        for url, *words in (("nonsense://", "nonsense://", "udpm://239.255.76.67:7667?ttl=0", "tcpq://HOST:7700"),
+                            ("udpm://10.0.0.1:7667", "'10.0.0.1' is no multicast group"),
+                            ("tcpq://127.0.0.1:1", "lcm-tcpq-server")):
+            with self.subTest(url):
+                result = self.run_daemon("--lcm-url", url)
+                self.assertEqual(result.returncode, 4)
+                for word in words:
+                    self.assertIn(word, result.stderr)
 
     def test_help_shows_examples_and_exit_codes_and_wrong_usage_ends_with_64(self):
         text = self.run_daemon("--help").stdout
