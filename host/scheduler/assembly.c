@@ -194,8 +194,8 @@ static const htn_domain_t domain = {assembly_kinds, 4, apply, undo, method, boun
 // ---- Schedules ------------------------------------------------------------------------------------------------------
 
 static void add_part(const assembly_t* assembly, const choice_t* choice, assembly_schedule_t* schedule) {
-    schedule->part[schedule->num_parts++] = (assembly_part_t){
-        choice->beam, choice->slot, question_of(assembly, choice->beam, choice->slot), choice->price};
+    schedule->part[schedule->num_parts++] =
+        (assembly_part_t){choice->beam, choice->slot, question_of(assembly, choice->beam, choice->slot), choice->price};
     schedule->cost += choice->price.cost;
 }
 

@@ -16,7 +16,7 @@
 
 /// One part to be assembled.
 typedef struct {
-    int pose;       ///< number of the vehicle's pose at the start; 0 is the structure's
+    int pose; ///< number of the vehicle's pose at the start; 0 is the structure's
     int beam, slot;
     int left;       ///< slot of the beam that the vehicle stands at, or -1
     uint64_t built; ///< slots with a beam

@@ -105,7 +105,7 @@ static bool must_stop(search_t* search) {
 }
 
 static double best(const search_t* search) {
-    return search->result.plan.steps == NULL ? INFINITY : search->result.plan.cost;
+    return search->result.plan.steps == NULL ? (double)INFINITY : search->result.plan.cost;
 }
 
 static double explore(search_t* search, const htn_agenda_t* agenda, double spent);

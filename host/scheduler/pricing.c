@@ -156,8 +156,8 @@ static void price(const pricing_t* pricing, ssv_work_t* memory, work_t* work) {
     ssv_problem_t problem;
     ssv_fault_t fault;
     ssv_quote_t quote;
-    work->feasible = ssv_problem_init(&problem, &scenario, &fault) == SSV_OK &&
-                     ssv_quote(&problem, memory, &quote) == SSV_OK;
+    work->feasible =
+        ssv_problem_init(&problem, &scenario, &fault) == SSV_OK && ssv_quote(&problem, memory, &quote) == SSV_OK;
     if (!work->feasible) return;
     work->cost = real_to_double(quote.cost);
     work->time_s = real_to_double(quote.time_s);
@@ -167,8 +167,7 @@ static void price(const pricing_t* pricing, ssv_work_t* memory, work_t* work) {
 
 /// Takes work until there is none.
 static void price_all(pricing_t* pricing, ssv_work_t* memory) {
-    for (int i = atomic_fetch_add(&pricing->next, 1); i < pricing->num_works;
-         i = atomic_fetch_add(&pricing->next, 1)) {
+    for (int i = atomic_fetch_add(&pricing->next, 1); i < pricing->num_works; i = atomic_fetch_add(&pricing->next, 1)) {
         price(pricing, memory, &pricing->works[i]);
     }
 }

@@ -12,10 +12,10 @@
 #define LENGTH(array) ((int)(sizeof(array) / sizeof(array)[0]))
 #define DEG_PER_RAD 57.295779513082321
 #define UNIT_TOLERANCE 1e-3
-#define TOLERANCE_M 0.005   ///< how far a docked beam's end may be from its second port, unless the file says
-#define TOLERANCE_RAD 0.01  ///< and how far off its axis
-#define RADIUS_M 0.15       ///< of a hub
-#define OVERLAP_M 1e-6      ///< beams that touch along their sides are not in one place
+#define TOLERANCE_M 0.005  ///< how far a docked beam's end may be from its second port, unless the file says
+#define TOLERANCE_RAD 0.01 ///< and how far off its axis
+#define RADIUS_M 0.15      ///< of a hub
+#define OVERLAP_M 1e-6     ///< beams that touch along their sides are not in one place
 
 /// What is being read.
 typedef struct {
@@ -431,8 +431,7 @@ static bool check_places(reading_t* reading) {
                                  lies ? tree_get(reading->beams->entries[i].value, "p_IB_m")
                                       : tree_get(reading->slots->entries[s].value, "join"),
                                  "two beams in one place: %s '%s' and %s '%s'", lies ? "beam" : "slot",
-                                 lies ? structure->beam[i].name : structure->slot[s].name,
-                                 other_lies ? "beam" : "slot",
+                                 lies ? structure->beam[i].name : structure->slot[s].name, other_lies ? "beam" : "slot",
                                  other_lies ? structure->beam[k].name : structure->slot[k - structure->num_beams].name);
             }
         }
@@ -459,7 +458,7 @@ static tree_t* derived(tree_memory_t* memory, tree_kind_t kind, const tree_t* fr
 
 /// The first beam to the first slot, as a scenario file would have it; where it is told it keeps its place in the file.
 static bool read_task(reading_t* reading, const char* path, const char* models_dir) {
-    static const char* const shared[] = {"model",  "vehicle", "weights",         "standoff_m",       "thrust_reserve",
+    static const char* const shared[] = {"model",  "vehicle", "weights",         "standoff_m",      "thrust_reserve",
                                          "method", "effort",  "attach_anywhere", "attach_heights_m"};
     const tree_t* const first = tree_get(reading->root, "beams")->entries[0].value;
     scenario_file_t file = {.tree = NULL};
@@ -487,8 +486,7 @@ static bool read_task(reading_t* reading, const char* path, const char* models_d
         }
     }
     if (!sound) tree_fail(reading->error, reading->root, "out of memory");
-    sound = sound &&
-            scenario_tree_open(&file, path, scenario, models_dir, &reading->structure->task, reading->error);
+    sound = sound && scenario_tree_open(&file, path, scenario, models_dir, &reading->structure->task, reading->error);
     scenario_file_close(&file);
     return sound;
 }
@@ -513,13 +511,13 @@ static bool read_rules(reading_t* reading) {
 }
 
 static bool read_root(reading_t* reading, const char* path, const char* models_dir) {
-    static const char* const keys[] = {"model",           "vehicle",          "weights",
-                                       "hubs",            "beams",            "slots",
-                                       "hub",             "touching",         "obstacles",
-                                       "margin_m",        "approach_mate_m",  "approach_dock_m",
-                                       "tolerance_m",     "tolerance_rad",    "contact_speed_max_m_s",
-                                       "standoff_m",      "thrust_reserve",   "method",
-                                       "effort",          "attach_anywhere",  "attach_heights_m"};
+    static const char* const keys[] = {"model",       "vehicle",         "weights",
+                                       "hubs",        "beams",           "slots",
+                                       "hub",         "touching",        "obstacles",
+                                       "margin_m",    "approach_mate_m", "approach_dock_m",
+                                       "tolerance_m", "tolerance_rad",   "contact_speed_max_m_s",
+                                       "standoff_m",  "thrust_reserve",  "method",
+                                       "effort",      "attach_anywhere", "attach_heights_m"};
     return check_keys(reading, reading->root, keys, LENGTH(keys), 6) && read_start(reading) && read_rules(reading) &&
            read_hubs(reading) && read_beams(reading) && read_task(reading, path, models_dir) && read_slots(reading) &&
            read_precedence(reading) && check_places(reading);
@@ -532,9 +530,8 @@ bool structure_text_read(structure_t* structure, const char* path, const char* t
     memset(structure, 0, sizeof *structure);
     error_text[0] = '\0';
     const char* const shown = strcmp(path, "-") == 0 ? "standard input" : path;
-    reading_t reading = {.structure = structure,
-                         .error = &error,
-                         .root = tree_from_yaml(&memory, &error, shown, text, size)};
+    reading_t reading = {
+        .structure = structure, .error = &error, .root = tree_from_yaml(&memory, &error, shown, text, size)};
     const bool sound = reading.root != NULL && read_root(&reading, path, models_dir);
     if (sound) find_neighbours(structure);
     tree_memory_free(&memory);
