@@ -287,7 +287,7 @@ pricing_t* pricing_open(const structure_t* structure, int threads) {
     pricing_t* const pricing = calloc(1, sizeof *pricing);
     if (pricing == NULL) return NULL;
     pricing->structure = structure;
-    ssv_scenario_from_wire(&pricing->task, &structure->task);
+    ssv_scenario_from_wire(&pricing->task, &structure->task, NULL);
     pricing->task.margin_m = real_from_double(structure->margin_m);
     pricing->task.approach_mate_m = real_from_double(structure->approach_mate_m);
     pricing->task.approach_dock_m = real_from_double(structure->approach_dock_m);

@@ -462,6 +462,7 @@ static bool read_task(reading_t* reading, const char* path, const char* models_d
                                          "method", "effort",  "attach_anywhere", "attach_heights_m"};
     const tree_t* const first = tree_get(reading->root, "beams")->entries[0].value;
     scenario_file_t file = {.tree = NULL};
+    lcm_ssv_task_t task;
     tree_t* const scenario = derived(&file.memory, TREE_MAP, reading->root);
     tree_t* const beam = derived(&file.memory, TREE_MAP, first);
     tree_t* const contact = derived(&file.memory, TREE_TEXT, first);
@@ -486,8 +487,9 @@ static bool read_task(reading_t* reading, const char* path, const char* models_d
         }
     }
     if (!sound) tree_fail(reading->error, reading->root, "out of memory");
-    sound = sound && scenario_tree_open(&file, path, scenario, models_dir, &reading->structure->task, reading->error);
+    sound = sound && scenario_tree_open(&file, path, scenario, models_dir, &task, reading->error);
     scenario_file_close(&file);
+    if (sound) reading->structure->task = task.scenario;
     return sound;
 }
 
