@@ -95,7 +95,7 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
 
 typedef struct {
     pricing_t* pricing;
-    double begun_s, shown_s, best, first_s;
+    double begun_s, shown_s, best, bound, first_s;
     bool on_terminal;
 } watch_t;
 
@@ -111,14 +111,19 @@ static double clock_s(void* context) {
     if (watch->on_terminal && now - watch->shown_s >= 0.2) {
         const pricing_counts_t counts = pricing_counts(watch->pricing);
         watch->shown_s = now;
-        fprintf(stderr, "ssv: %.0f s, best J %.1f, %" PRIu64 " prices, %" PRIu64 " known   \r", now - watch->begun_s,
-                isfinite(watch->best) ? watch->best : (double)NAN, counts.asked, counts.known);
+        fprintf(stderr, "ssv: %.0f s, ", now - watch->begun_s);
+        if (isfinite(watch->best)) fprintf(stderr, "best J %.1f, ", watch->best);
+        if (watch->bound > 0) {
+            fprintf(stderr, "bound %.1f (%.1f %%), ", watch->bound, 100 * (watch->best / watch->bound - 1));
+        }
+        fprintf(stderr, "%" PRIu64 " prices, %" PRIu64 " known   \r", counts.asked, counts.known);
     }
     return now;
 }
 
-static void found(void* context, double cost) {
+static void found(void* context, double cost, double lower_bound) {
     watch_t* const watch = context;
+    watch->bound = lower_bound;
     if (!isfinite(watch->best)) watch->first_s = now_s() - watch->begun_s;
     watch->best = cost;
 }
@@ -195,8 +200,13 @@ static void tree_lines(FILE* out, const report_t* report) {
 
 static void quality_lines(FILE* out, const report_t* report) {
     const assembly_result_t* const result = report->result;
-    if (result->status == HTN_OPTIMAL) {
+    if (result->status == HTN_OPTIMAL && result->relied_share == 0) {
         fprintf(out, "Proved optimal");
+    } else if (result->status == HTN_OPTIMAL) {
+        fprintf(out,
+                "Proved optimal as far as no flight costs less than %.2f of the cheapest one past the hubs alone (the "
+                "lowest of all prices: %.3f)",
+                result->relied_share, result->lowest_share);
     } else if (result->lower_bound > 0) {
         fprintf(out, "Not proved optimal: no schedule costs less than %.3f, so this one is at most %.1f %% above",
                 result->lower_bound, 100 * (result->best.cost / result->lower_bound - 1));

@@ -5,6 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bound.h"
+
+/// A price among obstacles is sought down to this share of the least one past the hubs alone: what stands makes the
+/// planner look at more ways, and seldom it finds a better one.
+#define FIRST_SHARE 0.9
+#define CERTAIN_SHARE (1 - 1e-9) ///< but for rounding of sums
+
 enum { ASSEMBLE_STRUCTURE, ASSEMBLE_PART, FLY_TO_BEAM, FLY_BEAM_TO_HUB };
 
 const htn_kind_t assembly_kinds[] = {
@@ -14,9 +21,10 @@ const htn_kind_t assembly_kinds[] = {
 typedef struct {
     int beam, slot;
     assembly_price_t price;
+    double promise; ///< what it and the rest cost at least
 } choice_t;
 
-/// Those that may come next at one depth of the search, the cheapest first.
+/// Those that may come next at one depth of the search, the most promising first.
 typedef struct {
     int count;
     choice_t* choice;
@@ -27,7 +35,12 @@ typedef struct {
     const assembly_prices_t* prices;
     const assembly_limits_t* limits;
     uint64_t built, used;
-    int num_built, pose, left;
+    int num_built, pose;
+    bound_last_t last;
+    double spent, begun_s;
+    bound_t* bound; ///< NULL = none
+    double share; ///< of the bound's prices that is believed to be the least,
+    double lowest_share; ///< and the least that was seen
     choices_t at[STRUCTURE_MAX_SLOTS + 1]; ///< by num_built
     choice_t under_way;                    ///< what the vehicle has flown to
     assembly_question_t* questions;
@@ -37,63 +50,80 @@ typedef struct {
 } assembly_t;
 
 typedef struct {
-    int pose, left;
+    int pose;
+    bound_last_t last;
+    double spent;
 } before_t;
 
 static assembly_question_t question_of(const assembly_t* assembly, int beam, int slot) {
     const bool counts = assembly->structure->obstacles;
-    const assembly_question_t question = {assembly->pose, beam, slot, counts ? assembly->left : -1,
+    const assembly_question_t question = {assembly->pose, beam, slot, counts ? assembly->last.slot : -1,
                                           counts ? assembly->built : 0};
     return question;
 }
 
-/// Whether the rules allow this slot now.
-static bool may_build(const assembly_t* assembly, int s) {
-    const structure_slot_t* const slot = &assembly->structure->slot[s];
-    return (assembly->built >> s & 1) == 0 && (slot->after & ~assembly->built) == 0 &&
-           (!assembly->structure->touching || assembly->built == 0 || (slot->touches & assembly->built) != 0);
-}
-
-/// Whether a beam may go to a slot: it is free, the slot's own if that has one, and no other slot's.
-static bool may_take(const assembly_t* assembly, int b, int s) {
-    const structure_t* const structure = assembly->structure;
-    if ((assembly->used >> b & 1) != 0) return false;
-    if (structure->slot[s].beam >= 0) return structure->slot[s].beam == b;
-    for (int k = 0; k < structure->num_slots; k++) {
-        if (structure->slot[k].beam == b) return false;
-    }
-    return true;
-}
-
-/// Ties go by numbers that no name or order in the file has a part in: where the vehicle ends, then the time.
-static int by_cost(const void* a, const void* b) {
+/// Ties go by numbers that no name or order in the file has a part in.
+static int by_promise(const void* a, const void* b) {
     const choice_t *one = a, *other = b;
-    const double d = one->price.cost != other->price.cost ? one->price.cost - other->price.cost
-                                                          : one->price.time_s - other->price.time_s;
+    const double d = one->promise != other->promise           ? one->promise - other->promise
+                     : one->price.cost != other->price.cost ? one->price.cost - other->price.cost
+                                                            : one->price.time_s - other->price.time_s;
     return d < 0 ? -1 : d > 0;
 }
 
-/// Has all that may come next priced. @return false if that was in vain.
+/// What all but the part costs at least once it is done.
+static double rest_after(const assembly_t* assembly, int beam, int slot) {
+    const bound_last_t next = {beam, slot};
+    if (assembly->bound == NULL) return 0;
+    return assembly->share * bound_rest(assembly->bound, assembly->built | UINT64_C(1) << slot,
+                                        assembly->used | UINT64_C(1) << beam, next);
+}
+
+static double least_of_part(const assembly_t* assembly, int beam, int slot) {
+    if (assembly->bound == NULL) return 0;
+    return assembly->share * bound_part(assembly->bound, assembly->last, beam, slot);
+}
+
+static void note_share(assembly_t* assembly, int beam, int slot, double cost) {
+    const double least = assembly->bound == NULL ? 0 : bound_part(assembly->bound, assembly->last, beam, slot);
+    if (least > 0) assembly->lowest_share = fmin(assembly->lowest_share, cost / least);
+}
+
+/// Whether the least that a part and all before and after it cost is less than the best schedule does. The search adds
+/// up in the same order, and so leaves out exactly the parts that have no price for this reason.
+static bool is_of_use(const assembly_t* assembly, double promise) {
+    return assembly->best.num_parts == 0 || assembly->spent + promise < assembly->best.cost;
+}
+
+/// Finds all parts that may come next, and has those priced that are of use. @return false if that was in vain.
 static bool find_choices(assembly_t* assembly) {
     const structure_t* const structure = assembly->structure;
     choices_t* const choices = &assembly->at[assembly->num_built];
     int count = 0;
+    choices->count = 0;
     for (int s = 0; s < structure->num_slots; s++) {
-        for (int b = 0; b < structure->num_beams && may_build(assembly, s); b++) {
-            if (may_take(assembly, b, s)) assembly->questions[count++] = question_of(assembly, b, s);
+        for (int b = 0; b < structure->num_beams && structure_may_build(structure, assembly->built, s); b++) {
+            if (!structure_may_take(structure, assembly->used, b, s)) continue;
+            const double promise = least_of_part(assembly, b, s) + rest_after(assembly, b, s);
+            if (is_of_use(assembly, promise)) {
+                assembly->questions[count++] = question_of(assembly, b, s);
+            } else {
+                choices->choice[choices->count++] = (choice_t){.beam = b, .slot = s, .promise = promise};
+            }
         }
     }
-    choices->count = 0;
     if (!assembly->prices->ask(assembly->prices->context, assembly->questions, count, assembly->answers)) {
         assembly->in_vain = true;
         return false;
     }
     for (int i = 0; i < count; i++) {
-        if (!assembly->answers[i].feasible) continue;
-        choices->choice[choices->count++] =
-            (choice_t){assembly->questions[i].beam, assembly->questions[i].slot, assembly->answers[i]};
+        const int b = assembly->questions[i].beam, s = assembly->questions[i].slot;
+        const assembly_price_t* const price = &assembly->answers[i];
+        if (!price->feasible) continue;
+        note_share(assembly, b, s, price->cost);
+        choices->choice[choices->count++] = (choice_t){b, s, *price, price->cost + rest_after(assembly, b, s)};
     }
-    qsort(choices->choice, (size_t)choices->count, sizeof *choices->choice, by_cost);
+    qsort(choices->choice, (size_t)choices->count, sizeof *choices->choice, by_promise);
     return true;
 }
 
@@ -107,8 +137,9 @@ static void fly_to_beam(assembly_t* assembly, const choice_t* choice) {
 static void dock(assembly_t* assembly) {
     assembly->built |= UINT64_C(1) << assembly->under_way.slot;
     assembly->num_built++;
-    assembly->left = assembly->under_way.slot;
+    assembly->last = (bound_last_t){assembly->under_way.beam, assembly->under_way.slot};
     assembly->pose = assembly->under_way.price.pose;
+    assembly->spent += assembly->under_way.price.cost;
 }
 
 /// Both flights are one plan with one price, which counts when the beam is docked.
@@ -120,7 +151,7 @@ static bool apply(void* state, const htn_task_t* task, void* undo, double* cost)
         fly_to_beam(assembly, choice);
         *cost = 0;
     } else {
-        const before_t before = {assembly->pose, assembly->left};
+        const before_t before = {assembly->pose, assembly->last, assembly->spent};
         memcpy(undo, &before, sizeof before);
         *cost = assembly->under_way.price.cost;
         dock(assembly);
@@ -139,7 +170,8 @@ static void undo(void* state, const htn_task_t* task, const void* undo) {
         assembly->built &= ~(UINT64_C(1) << task->argument[1]);
         assembly->num_built--;
         assembly->pose = before.pose;
-        assembly->left = before.left;
+        assembly->last = before.last;
+        assembly->spent = before.spent;
     }
 }
 
@@ -174,18 +206,21 @@ static bool memory_key(void* state, const htn_agenda_t* agenda, unsigned char ke
     memcpy(&key[0], &assembly->built, 8);
     memcpy(&key[8], &assembly->used, 8);
     memcpy(&key[16], &assembly->pose, 4);
-    memcpy(&key[20], &assembly->left, 4);
+    memcpy(&key[20], &assembly->last.slot, 4);
     return true;
 }
 
-/// Once the vehicle is on its way, its price is known.
+/// Once a part is chosen, its price is known.
 static double bound(void* state, const htn_agenda_t* agenda) {
     const assembly_t* const assembly = state;
     switch (agenda->task.kind) {
         case ASSEMBLE_PART:
-        case FLY_TO_BEAM: return assembly->at[assembly->num_built].choice[agenda->task.argument[2]].price.cost;
-        case FLY_BEAM_TO_HUB: return assembly->under_way.price.cost;
-        default: return 0;
+        case FLY_TO_BEAM: return assembly->at[assembly->num_built].choice[agenda->task.argument[2]].promise;
+        case FLY_BEAM_TO_HUB: return assembly->under_way.promise;
+        default:
+            return assembly->bound == NULL ? 0
+                                           : assembly->share * bound_rest(assembly->bound, assembly->built,
+                                                                          assembly->used, assembly->last);
     }
 }
 
@@ -217,13 +252,22 @@ static bool be_greedy(assembly_t* assembly, assembly_schedule_t* schedule) {
     return complete;
 }
 
+static void report_found(const assembly_t* assembly) {
+    const assembly_limits_t* const limits = assembly->limits;
+    const bound_last_t start = {-1, -1};
+    if (limits->found == NULL) return;
+    limits->found(limits->context, assembly->best.cost,
+                  assembly->bound == NULL ? 0 : assembly->share * bound_rest(assembly->bound, 0, 0, start));
+}
+
 /// Keeps the choices on the way to a better plan: they stand in `at` now, and nowhere later.
 static bool found(void* context, const htn_plan_t* plan) {
     assembly_t* const assembly = context;
     const assembly_t now = *assembly;
     assembly->built = assembly->used = 0;
     assembly->num_built = assembly->pose = 0;
-    assembly->left = -1;
+    assembly->last = (bound_last_t){-1, -1};
+    assembly->spent = 0;
     assembly->best = (assembly_schedule_t){0};
     for (int i = 0; i < plan->num_steps; i++) {
         if (plan->steps[i].task.kind != ASSEMBLE_PART) continue;
@@ -235,7 +279,7 @@ static bool found(void* context, const htn_plan_t* plan) {
     const assembly_schedule_t best = assembly->best;
     *assembly = now;
     assembly->best = best;
-    if (assembly->limits->found != NULL) assembly->limits->found(assembly->limits->context, best.cost);
+    report_found(assembly);
     return true;
 }
 
@@ -257,21 +301,56 @@ static bool make_room(assembly_t* assembly) {
     return sound;
 }
 
-static void search(assembly_t* assembly, assembly_result_t* result) {
+static double time_left_s(const assembly_t* assembly) {
+    const assembly_limits_t* const limits = assembly->limits;
+    if (limits->clock_s == NULL || limits->time_limit_s <= 0) return INFINITY;
+    return limits->time_limit_s - (limits->clock_s(limits->context) - assembly->begun_s);
+}
+
+static bool has_time(void* context) { return time_left_s(context) > 0; }
+
+/// One search with the share as it is.
+static void search_once(assembly_t* assembly, assembly_result_t* result) {
     static const htn_task_t all = {ASSEMBLE_STRUCTURE, {0}};
+    const double left_s = time_left_s(assembly);
     const htn_limits_t limits = {.clock_s = assembly->limits->clock_s == NULL ? NULL : clock_s,
-                                 .time_limit_s = assembly->limits->time_limit_s,
+                                 .time_limit_s = isfinite(left_s) ? fmax(left_s, 1e-9) : 0,
                                  .found = found,
                                  .context = assembly};
-    be_greedy(assembly, &result->greedy);
+    assembly->best = (assembly_schedule_t){0};
     htn_result_t plan = htn_search(&domain, assembly, &all, 1, &limits);
     free(plan.plan.steps);
-    result->best = assembly->best;
     result->status = assembly->in_vain ? HTN_STOPPED : plan.status;
-    result->asked_in_vain = assembly->in_vain;
     result->lower_bound = assembly->in_vain ? 0 : plan.lower_bound;
-    result->nodes = plan.nodes;
+    result->nodes += plan.nodes;
     result->states = plan.memories;
+    if (result->best.num_parts == 0 || (assembly->best.num_parts > 0 && assembly->best.cost < result->best.cost)) {
+        result->best = assembly->best;
+    }
+}
+
+/// Searches until no price that was seen is below the share of the bound's that the search has relied on.
+static void search(assembly_t* assembly, assembly_result_t* result) {
+    const bool certain = !assembly->structure->obstacles;
+    if (be_greedy(assembly, &result->greedy)) {
+        result->best = assembly->best = result->greedy;
+        report_found(assembly);
+    }
+    if (!assembly->in_vain) {
+        assembly->bound = bound_open(assembly->structure, assembly->prices, has_time, assembly);
+    }
+    assembly->share = certain ? CERTAIN_SHARE : FIRST_SHARE;
+    assembly->lowest_share = 1;
+    for (bool again = true; again;) {
+        search_once(assembly, result);
+        again = result->status != HTN_STOPPED && result->status != HTN_NO_MEMORY &&
+                assembly->lowest_share < assembly->share;
+        if (again) assembly->share = fmax(0, 1 - 2 * (1 - assembly->lowest_share));
+    }
+    result->asked_in_vain = assembly->in_vain;
+    result->relied_share = assembly->bound == NULL || certain ? 0 : assembly->share;
+    result->lowest_share = assembly->lowest_share;
+    bound_close(assembly->bound);
 }
 
 bool assembly_schedule(const structure_t* structure, const assembly_prices_t* prices, const assembly_limits_t* limits,
@@ -282,7 +361,8 @@ bool assembly_schedule(const structure_t* structure, const assembly_prices_t* pr
     assembly->structure = structure;
     assembly->prices = prices;
     assembly->limits = limits;
-    assembly->left = -1;
+    assembly->last = (bound_last_t){-1, -1};
+    if (limits->clock_s != NULL) assembly->begun_s = limits->clock_s(limits->context);
     if (make_room(assembly)) search(assembly, result);
     for (int i = 0; i <= structure->num_slots; i++) free(assembly->at[i].choice);
     free(assembly->questions);

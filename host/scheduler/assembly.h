@@ -7,7 +7,8 @@
 ///
 /// A part's price depends on where the vehicle starts, on the beam and the slot, and on what stands, and on nothing
 /// else. Where the vehicle ends is rounded (`pricing_ask`), so that few poses occur and the states close to a graph.
-/// Prices come through a callback, all that leave one state at a time.
+/// Prices come through a callback, all of one state together that may belong to a better schedule. Which may, a bound
+/// tells (bound.h).
 #ifndef SSV_SCHEDULER_ASSEMBLY_H
 #define SSV_SCHEDULER_ASSEMBLY_H
 
@@ -51,15 +52,19 @@ typedef struct {
     assembly_schedule_t best, greedy; ///< greedy takes the cheapest part each time
     htn_status_t status;
     bool asked_in_vain; ///< prices were not to be had
-    double lower_bound;
+    double lower_bound; ///< relies on relied_share, as a proof does
+    /// A price that was not asked for is taken to be no less than this share of the least one of the same beam, slot and
+    /// place to come from, with nothing but the hubs in the way. 0: the proof relies on nothing.
+    double relied_share;
+    double lowest_share; ///< the lowest of those that were asked for
     uint64_t nodes, states;
 } assembly_result_t;
 
 typedef struct {
     double (*clock_s)(void* context);
     double time_limit_s; ///< 0 = none
-    /// Called with each better schedule.
-    void (*found)(void* context, double cost);
+    /// Called with each better schedule, and what is proved by then: that none costs less than the bound.
+    void (*found)(void* context, double cost, double lower_bound);
     void* context; ///< of the two
 } assembly_limits_t;
 

@@ -404,6 +404,21 @@ static bool read_precedence(reading_t* reading) {
     return true;
 }
 
+bool structure_may_build(const structure_t* structure, uint64_t built, int slot) {
+    const structure_slot_t* const at = &structure->slot[slot];
+    return (built >> slot & 1) == 0 && (at->after & ~built) == 0 &&
+           (!structure->touching || built == 0 || (at->touches & built) != 0);
+}
+
+bool structure_may_take(const structure_t* structure, uint64_t used, int beam, int slot) {
+    if ((used >> beam & 1) != 0) return false;
+    if (structure->slot[slot].beam >= 0) return structure->slot[slot].beam == beam;
+    for (int k = 0; k < structure->num_slots; k++) {
+        if (structure->slot[k].beam == beam) return false;
+    }
+    return true;
+}
+
 static void find_neighbours(structure_t* structure) {
     for (int s = 0; s < structure->num_slots; s++) {
         for (int k = 0; k < structure->num_slots; k++) {

@@ -59,6 +59,12 @@ typedef struct {
     double margin_m, approach_mate_m, approach_dock_m, contact_speed_max_m_s;
 } structure_t;
 
+/// Whether the rules allow this slot next, some being built.
+bool structure_may_build(const structure_t* structure, uint64_t built, int slot);
+
+/// Whether a beam may go to a slot: it is not used, the slot's own if that has one, and no other slot's.
+bool structure_may_take(const structure_t* structure, uint64_t used, int beam, int slot);
+
 /// Reads the structure at `path`, "-" being standard input; its model is looked for like a scenario's.
 /// @return true; or false with a sentence in `error` that names file, line and key.
 bool structure_read(structure_t* structure, const char* path, const char* models_dir, char* error, size_t error_size);
