@@ -38,9 +38,9 @@ typedef struct {
     int num_built, pose;
     bound_last_t last;
     double spent, begun_s;
-    bound_t* bound; ///< NULL = none
-    double share; ///< of the bound's prices that is believed to be the least,
-    double lowest_share; ///< and the least that was seen
+    bound_t* bound;                        ///< NULL = none
+    double share;                          ///< of the bound's prices that is believed to be the least,
+    double lowest_share;                   ///< and the least that was seen
     choices_t at[STRUCTURE_MAX_SLOTS + 1]; ///< by num_built
     choice_t under_way;                    ///< what the vehicle has flown to
     assembly_question_t* questions;
@@ -65,7 +65,7 @@ static assembly_question_t question_of(const assembly_t* assembly, int beam, int
 /// Ties go by numbers that no name or order in the file has a part in.
 static int by_promise(const void* a, const void* b) {
     const choice_t *one = a, *other = b;
-    const double d = one->promise != other->promise           ? one->promise - other->promise
+    const double d = one->promise != other->promise         ? one->promise - other->promise
                      : one->price.cost != other->price.cost ? one->price.cost - other->price.cost
                                                             : one->price.time_s - other->price.time_s;
     return d < 0 ? -1 : d > 0;
@@ -218,9 +218,9 @@ static double bound(void* state, const htn_agenda_t* agenda) {
         case FLY_TO_BEAM: return assembly->at[assembly->num_built].choice[agenda->task.argument[2]].promise;
         case FLY_BEAM_TO_HUB: return assembly->under_way.promise;
         default:
-            return assembly->bound == NULL ? 0
-                                           : assembly->share * bound_rest(assembly->bound, assembly->built,
-                                                                          assembly->used, assembly->last);
+            return assembly->bound == NULL
+                       ? 0
+                       : assembly->share * bound_rest(assembly->bound, assembly->built, assembly->used, assembly->last);
     }
 }
 
@@ -290,7 +290,7 @@ static double clock_s(void* context) {
 
 static bool make_room(assembly_t* assembly) {
     const structure_t* const structure = assembly->structure;
-    const size_t most = (size_t)(structure->num_beams * structure->num_slots);
+    const size_t most = (size_t)structure->num_beams * (size_t)structure->num_slots;
     assembly->questions = calloc(most, sizeof *assembly->questions);
     assembly->answers = calloc(most, sizeof *assembly->answers);
     bool sound = assembly->questions != NULL && assembly->answers != NULL;

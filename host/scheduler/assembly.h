@@ -53,8 +53,8 @@ typedef struct {
     htn_status_t status;
     bool asked_in_vain; ///< prices were not to be had
     double lower_bound; ///< relies on relied_share, as a proof does
-    /// A price that was not asked for is taken to be no less than this share of the least one of the same beam, slot and
-    /// place to come from, with nothing but the hubs in the way. 0: the proof relies on nothing.
+    /// A price that was not asked for is taken to be no less than this share of the least one of the same beam, slot
+    /// and place to come from, with nothing but the hubs in the way. 0: the proof relies on nothing.
     double relied_share;
     double lowest_share; ///< the lowest of those that were asked for
     uint64_t nodes, states;

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PARTS_MAX 80    ///< beams times slots; their square is about the number of prices
-#define NODES_MAX 4000  ///< of the graph
+#define PARTS_MAX 80     ///< beams times slots; their square is about the number of prices
+#define NODES_MAX 4000   ///< of the graph
 #define REST_MAX 1048576 ///< states of the smaller problem that are remembered, a power of two
 
 /// Where the vehicle may be, and after which part.
@@ -86,8 +86,8 @@ static bool price_round(bound_t* bound, const assembly_prices_t* prices, int fir
     sound = sound && prices->ask(prices->context, questions, count, answers);
     for (int i = 0; sound && i < count; i++) {
         const bound_last_t part = {questions[i].beam, questions[i].slot};
-        double* const least = &bound->least[before_of(bound, bound->node[node_of[i]].last)]
-                                           [part_of(bound, part.beam, part.slot)];
+        double* const least =
+            &bound->least[before_of(bound, bound->node[node_of[i]].last)][part_of(bound, part.beam, part.slot)];
         if (!answers[i].feasible) continue;
         *least = fmin(*least, answers[i].cost);
         sound = add_node(bound, (node_t){answers[i].pose, part});

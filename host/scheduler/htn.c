@@ -58,12 +58,11 @@ static bool grow(search_t* search) {
 static void remember(search_t* search, const unsigned char key[HTN_MAX_KEY], double bound) {
     const size_t most = search->limits->max_memories;
     memory_t* memory = search->room == 0 ? NULL : slot_of(search->memories, search->room, key);
-    if (memory == NULL || !memory->used) {
+    const bool is_new = memory == NULL || !memory->used;
+    if (is_new) {
         if (most != 0 && search->result.memories >= most) return;
-        if (2 * (search->result.memories + 1) > search->room) {
-            if (!grow(search)) return; // what is not remembered is searched again
-            memory = slot_of(search->memories, search->room, key);
-        }
+        if (2 * (search->result.memories + 1) > search->room && !grow(search)) return; // it is searched again
+        memory = slot_of(search->memories, search->room, key);
         memcpy(memory->key, key, HTN_MAX_KEY);
         memory->used = true;
         memory->bound = bound;
@@ -88,7 +87,9 @@ static void keep(search_t* search, double cost) {
     }
     if (size > 0) memcpy(steps, search->trail, size);
     free(plan->steps);
-    *plan = (htn_plan_t){search->depth, steps, cost};
+    plan->num_steps = search->depth;
+    plan->steps = steps;
+    plan->cost = cost;
     if (search->limits->found != NULL && !search->limits->found(search->limits->context, plan)) {
         search->stopped = true;
     }
