@@ -28,4 +28,7 @@ int scenario_command(int argc, char** argv);
 /// `ssv fly`: reads a scenario file and has its task flown, in simulation or by a real vehicle; compares with the plan.
 int fly_command(int argc, char** argv);
 
+/// `ssv schedule`: reads a structure file and shows in which order its beams are assembled at the least cost.
+int schedule_command(int argc, char** argv);
+
 #endif

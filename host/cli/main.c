@@ -15,6 +15,7 @@ static const struct {
     {"quote", quote_command},
     {"fly", fly_command},
     {"scenario", scenario_command},
+    {"schedule", schedule_command},
 };
 
 static const char doc[] =
@@ -25,6 +26,7 @@ static const char doc[] =
     "  quote     what tasks cost, side by side, without their plans\n"
     "  fly       have a task flown, in simulation or by a real vehicle\n"
     "  scenario  the question as understood, every default filled in\n"
+    "  schedule  which beam goes where, in which order, to assemble a structure\n"
     "\n"
     "`ssv COMMAND --help` tells about a command.";
 
@@ -40,7 +42,7 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
             state->next = state->argc; // the rest is the command's
             (void)argument;
             return 0;
-        case ARGP_KEY_NO_ARGS: argp_error(state, "which command? There are: plan, quote, fly, scenario"); return 0;
+        case ARGP_KEY_NO_ARGS: argp_error(state, "which command? There are: plan, quote, fly, scenario, schedule"); return 0;
         default: return ARGP_ERR_UNKNOWN;
     }
 }
@@ -57,7 +59,7 @@ int main(int argc, char** argv) {
         }
     }
     fprintf(stderr,
-            "ssv: there is no command '%s'. There are: plan, quote, fly, scenario\nTry `ssv --help' for more "
+            "ssv: there is no command '%s'. There are: plan, quote, fly, scenario, schedule\nTry `ssv --help' for more "
             "information.\n",
             rest[0]);
     return EXIT_USAGE;

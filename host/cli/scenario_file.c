@@ -929,18 +929,11 @@ static const tree_t* without_asker(layout_t* layout, const tree_t* message) {
     return sound ? question : NULL;
 }
 
-bool scenario_text_open(scenario_file_t* file, const char* path, const char* text, size_t size, const char* models_dir,
-                        lcm_ssv_task_t* task, char* error_text, size_t error_size) {
-    tree_error_t error = {error_text, error_size};
-    layout_t layout = {&file->memory, &error, models_dir};
-    *file = (scenario_file_t){.tree = NULL};
-    error_text[0] = '\0';
-    const tree_t* const root = parse(&layout, path, text, size);
-    if (root == NULL) {
-        return false;
-    }
+bool scenario_tree_open(scenario_file_t* file, const char* path, const tree_t* root, const char* models_dir,
+                        lcm_ssv_task_t* task, tree_error_t* error) {
+    layout_t layout = {&file->memory, error, models_dir};
     if (root->kind != TREE_MAP) {
-        return tree_fail(&error, root, "no scenario, which is a map of keys and values");
+        return tree_fail(error, root, "no scenario, which is a map of keys and values");
     }
     file->tree = tree_get(root, "scenario");
     file->scene = tree_get(root, "scene");
@@ -949,8 +942,18 @@ bool scenario_text_open(scenario_file_t* file, const char* path, const char* tex
     }
     const tree_t* const question = without_asker(&layout, file->tree);
     memset(task, 0, sizeof *task);
-    return question != NULL && wire_from_tree("scenario_t", question, &task->scenario, &error) &&
-           (file->scene == NULL || wire_from_tree("scene_t", file->scene, &task->scene, &error));
+    return question != NULL && wire_from_tree("scenario_t", question, &task->scenario, error) &&
+           (file->scene == NULL || wire_from_tree("scene_t", file->scene, &task->scene, error));
+}
+
+bool scenario_text_open(scenario_file_t* file, const char* path, const char* text, size_t size, const char* models_dir,
+                        lcm_ssv_task_t* task, char* error_text, size_t error_size) {
+    tree_error_t error = {error_text, error_size};
+    layout_t layout = {&file->memory, &error, models_dir};
+    *file = (scenario_file_t){.tree = NULL};
+    error_text[0] = '\0';
+    const tree_t* const root = parse(&layout, path, text, size);
+    return root != NULL && scenario_tree_open(file, path, root, models_dir, task, &error);
 }
 
 bool scenario_file_open(scenario_file_t* file, const char* path, const char* models_dir, lcm_ssv_task_t* task,

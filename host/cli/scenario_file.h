@@ -31,6 +31,11 @@ bool scenario_file_open(scenario_file_t* file, const char* path, const char* mod
 bool scenario_text_open(scenario_file_t* file, const char* path, const char* text, size_t size, const char* models_dir,
                         lcm_ssv_task_t* task, char* error, size_t error_size);
 
+/// The same for the tree of such a file, which may have been put together from another's: `path` is where a model given
+/// by path starts from. *file is empty before.
+bool scenario_tree_open(scenario_file_t* file, const char* path, const tree_t* root, const char* models_dir,
+                        lcm_ssv_task_t* task, tree_error_t* error);
+
 /// Puts the place in the file before a planner's reason "PATH: sentence", where PATH is the message's.
 void scenario_file_explain(const scenario_file_t* file, const char* reason, char* text, size_t size);
 

@@ -1,0 +1,388 @@
+#define _POSIX_C_SOURCE 200809L
+#include <argp.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "commands.h"
+#include "output.h"
+#include "scheduler/assembly.h"
+#include "scheduler/pricing.h"
+#include "ssv/planner.h"
+#include "task_options.h"
+#include "wire/message.h"
+
+static const char doc[] =
+    "Schedules the assembly of a structure: which beam goes to which slot, in which order, at the least sum of J = W1 "
+    "time + W2 impulse."
+    "\vExamples:\n"
+    "  ssv schedule host/structures/ease.yaml\n"
+    "  ssv schedule ease.yaml --weights 1,0     time alone counts\n"
+    "  ssv schedule ease.yaml --time-limit 10   the best that is found in 10 s\n"
+    "  ssv schedule ease.yaml --format json --output schedule.json\n"
+    "\n"
+    "Every part is priced by the planner, in process and on all cores, with what stands then as obstacles. The table "
+    "says whether the schedule is proved optimal, that is to say that no other order or choice of beams costs less by "
+    "the planner's prices; and what taking the cheapest part each time would cost. host/FORMATS.md tells of structure "
+    "files.\n"
+    "\n"
+    "Exit codes:\n"
+    "   0  schedule found\n"
+    "   2  the structure is refused: a file cannot be read, a key or a value is wrong,\n"
+    "      or it does not close; the message names the place\n"
+    "   3  the structure is sound, but there is no schedule, or none was found in time\n"
+    "  64  wrong arguments\n"
+    "   1  anything else, e.g. FILE cannot be written\n";
+
+enum { KEY_WEIGHTS = 256, KEY_TIME_LIMIT, KEY_FORMAT, KEY_OUTPUT };
+
+static const struct argp_option options_table[] = {
+    {"weights", KEY_WEIGHTS, "W1,W2", 0, "Weights of time [1/s] and impulse [1/(N s)] instead of the file's", 0},
+    {"time-limit", KEY_TIME_LIMIT, "S", 0, "Stop after so long with the best schedule found (default: none)", 0},
+    {"format", KEY_FORMAT, "table|json", 0, "For people (default) or for programs", 0},
+    {"output", KEY_OUTPUT, "FILE", 0, "Write there instead of to standard output, which is -", 0},
+    {0},
+};
+
+typedef struct {
+    const char *path, *output_path;
+    double weights[2], time_limit_s;
+    bool weights_given, as_json;
+} arguments_t;
+
+static bool parse_weights(const char* argument, double weights[2]) {
+    char first[64];
+    const char* const comma = strchr(argument, ',');
+    snprintf(first, sizeof first, "%.*s", comma == NULL ? 0 : (int)(comma - argument), argument);
+    return comma != NULL && tree_number(first, &weights[0]) && tree_number(comma + 1, &weights[1]);
+}
+
+static error_t parse_option(int key, char* argument, struct argp_state* state) {
+    arguments_t* const arguments = state->input;
+    switch (key) {
+        case KEY_WEIGHTS:
+            if (!parse_weights(argument, arguments->weights)) {
+                argp_error(state, "--weights %s: not two numbers, e.g. 1,0.5", argument);
+            }
+            arguments->weights_given = true;
+            return 0;
+        case KEY_TIME_LIMIT:
+            if (!tree_number(argument, &arguments->time_limit_s) ||
+                !(arguments->time_limit_s > 0 && arguments->time_limit_s <= 1e6)) {
+                argp_error(state, "--time-limit %s: not a number of seconds in (0, 1e6]", argument);
+            }
+            return 0;
+        case KEY_FORMAT:
+            arguments->as_json = strcmp(argument, "json") == 0;
+            if (!arguments->as_json && strcmp(argument, "table") != 0) {
+                argp_error(state, "--format %s: there are table and json", argument);
+            }
+            return 0;
+        case KEY_OUTPUT: arguments->output_path = argument; return 0;
+        case ARGP_KEY_ARG:
+            if (arguments->path != NULL) {
+                argp_error(state, "no more than 1 structure at a time, but there is also '%s'", argument);
+            }
+            arguments->path = argument;
+            return 0;
+        case ARGP_KEY_NO_ARGS: argp_error(state, "which structure file?"); return 0;
+        default: return ARGP_ERR_UNKNOWN;
+    }
+}
+
+// ---- The search, watched --------------------------------------------------------------------------------------------
+
+typedef struct {
+    pricing_t* pricing;
+    double begun_s, shown_s, best, bound, first_s;
+    bool on_terminal;
+} watch_t;
+
+static double now_s(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static double clock_s(void* context) {
+    watch_t* const watch = context;
+    const double now = now_s();
+    if (watch->on_terminal && now - watch->shown_s >= 0.2) {
+        const pricing_counts_t counts = pricing_counts(watch->pricing);
+        watch->shown_s = now;
+        fprintf(stderr, "ssv: %.0f s, ", now - watch->begun_s);
+        if (isfinite(watch->best)) fprintf(stderr, "best J %.1f, ", watch->best);
+        if (watch->bound > 0) {
+            fprintf(stderr, "bound %.1f (%.1f %%), ", watch->bound, 100 * (watch->best / watch->bound - 1));
+        }
+        fprintf(stderr, "%" PRIu64 " prices, %" PRIu64 " known   \r", counts.asked, counts.known);
+    }
+    return now;
+}
+
+static void found(void* context, double cost, double lower_bound) {
+    watch_t* const watch = context;
+    watch->bound = lower_bound;
+    if (!isfinite(watch->best)) watch->first_s = now_s() - watch->begun_s;
+    watch->best = cost;
+}
+
+// ---- The report -----------------------------------------------------------------------------------------------------
+
+/// One part as it will be flown.
+typedef struct {
+    double time_s[2], impulse_Ns[2]; ///< of transit and transfer
+    double attach_height_m, clearance_m;
+    int contact;
+    bool has_clearance;
+    uint64_t scenario_hash, plan_hash;
+} flight_t;
+
+typedef struct {
+    const char* shown;
+    const structure_t* structure;
+    const assembly_result_t* result;
+    pricing_counts_t counts;
+    double wall_s, first_s;
+    flight_t flight[STRUCTURE_MAX_SLOTS];
+} report_t;
+
+/// Plans the parts, which must cost what they were priced at.
+static bool plan_parts(const pricing_t* pricing, report_t* report) {
+    static ssv_plan_t plan;
+    static ssv_work_t work;
+    const assembly_schedule_t* const schedule = &report->result->best;
+    for (int i = 0; i < schedule->num_parts; i++) {
+        const ssv_scenario_t scenario = pricing_scenario(pricing, &schedule->part[i].question);
+        flight_t* const flight = &report->flight[i];
+        ssv_problem_t problem;
+        ssv_fault_t fault;
+        if (ssv_problem_init(&problem, &scenario, &fault) != SSV_OK || ssv_plan(&problem, &work, &plan) != SSV_OK ||
+            real_to_double(plan.quote.cost) != schedule->part[i].price.cost) {
+            fprintf(stderr, "ssv: part %d has a price, but its plan does not fit the planner's memory\n", i + 1);
+            return false;
+        }
+        *flight = (flight_t){.attach_height_m = real_to_double(plan.quote.choice.attach_height_m),
+                             .contact = plan.quote.choice.contact,
+                             .clearance_m = real_to_double(plan.clearance.seen_m),
+                             .has_clearance = plan.clearance.obstacle != SSV_OBSTACLE_NONE,
+                             .scenario_hash = plan.quote.scenario_hash,
+                             .plan_hash = plan.plan_hash};
+        for (int k = 0; k < plan.num_legs; k++) {
+            flight->time_s[plan.leg[k].phase] += real_to_double(plan.leg[k].duration_s);
+            flight->impulse_Ns[plan.leg[k].phase] += real_to_double(plan.leg[k].impulse_Ns);
+        }
+    }
+    return true;
+}
+
+static void sum_up(const assembly_schedule_t* schedule, double* time_s, double* impulse_Ns) {
+    *time_s = *impulse_Ns = 0;
+    for (int i = 0; i < schedule->num_parts; i++) {
+        *time_s += schedule->part[i].price.time_s;
+        *impulse_Ns += schedule->part[i].price.impulse_Ns;
+    }
+}
+
+static void tree_lines(FILE* out, const report_t* report) {
+    const assembly_schedule_t* const schedule = &report->result->best;
+    for (int i = 0; i < schedule->num_parts; i++) {
+        const char* const beam = report->structure->beam[schedule->part[i].beam].name;
+        const char* const slot = report->structure->slot[schedule->part[i].slot].name;
+        fprintf(out, "  assemble-part %s %s\n", beam, slot);
+        for (int phase = SSV_TRANSIT; phase <= SSV_TRANSFER; phase++) {
+            fprintf(out, "    %-15s %10.3f s %12.3f N s\n", phase == SSV_TRANSIT ? "fly-to-beam" : "fly-beam-to-hub",
+                    report->flight[i].time_s[phase], report->flight[i].impulse_Ns[phase]);
+        }
+    }
+}
+
+static void quality_lines(FILE* out, const report_t* report) {
+    const assembly_result_t* const result = report->result;
+    if (result->status == HTN_OPTIMAL && result->relied_share == 0) {
+        fprintf(out, "Proved optimal");
+    } else if (result->status == HTN_OPTIMAL) {
+        fprintf(out,
+                "Proved optimal as far as no flight costs less than %.2f of the cheapest one past the hubs alone (the "
+                "lowest of all prices: %.3f)",
+                result->relied_share, result->lowest_share);
+    } else if (result->lower_bound > 0) {
+        fprintf(out, "Not proved optimal: no schedule costs less than %.3f, so this one is at most %.1f %% above",
+                result->lower_bound, 100 * (result->best.cost / result->lower_bound - 1));
+    } else {
+        fprintf(out, "Not proved optimal, and there was no time for a bound");
+    }
+    if (result->greedy.num_parts > 0) {
+        fprintf(out, "; the cheapest part each time makes J = %.3f, %+.1f %%\n", result->greedy.cost,
+                100 * (result->greedy.cost / result->best.cost - 1));
+    } else {
+        fprintf(out, "; the cheapest part each time leads nowhere\n");
+    }
+}
+
+static bool report_table(FILE* out, const void* content) {
+    const report_t* const report = content;
+    const structure_t* const structure = report->structure;
+    const assembly_schedule_t* const schedule = &report->result->best;
+    double time_s = 0, impulse_Ns = 0, sum = 0;
+    sum_up(schedule, &time_s, &impulse_Ns);
+    fprintf(out, "%s: J = %.9g /s x %.3f s + %.9g /(N s) x %.3f N s = %.3f\n", report->shown,
+            structure->task.weight_time_per_s, time_s, structure->task.weight_impulse_per_Ns, impulse_Ns,
+            schedule->cost);
+    quality_lines(out, report);
+    fprintf(out, "\n  %2s  %-16s %-20s %10s %12s %12s %12s %9s %9s\n", "", "beam", "slot", "time s", "impulse N s", "J",
+            "sum of J", "height m", "clear m");
+    for (int i = 0; i < schedule->num_parts; i++) {
+        const assembly_part_t* const part = &schedule->part[i];
+        sum += part->price.cost;
+        fprintf(out, "  %2d  %-16s %-20s %10.3f %12.3f %12.3f %12.3f %+9.4f ", i + 1, structure->beam[part->beam].name,
+                structure->slot[part->slot].name, part->price.time_s, part->price.impulse_Ns, part->price.cost, sum,
+                report->flight[i].attach_height_m);
+        if (report->flight[i].has_clearance) {
+            fprintf(out, "%9.3f\n", report->flight[i].clearance_m);
+        } else {
+            fprintf(out, "%9s\n", "-");
+        }
+    }
+    fprintf(out, "\nassemble-structure\n");
+    tree_lines(out, report);
+    fprintf(out,
+            "\n  %" PRIu64 " prices on %d threads, %" PRIu64 " known already; %d poses, %" PRIu64 " states, %" PRIu64
+            " nodes\n  first schedule after %.1f s, all after %.1f s\n",
+            report->counts.asked, report->counts.threads, report->counts.known, report->counts.poses,
+            report->result->states, report->result->nodes, report->first_s, report->wall_s);
+    return true;
+}
+
+static json_t* hash_json(uint64_t hash) {
+    char text[17];
+    snprintf(text, sizeof text, "%016" PRIx64, hash);
+    return json_string(text);
+}
+
+static json_t* phase_json(const flight_t* flight, ssv_phase_t phase) {
+    return json_pack("{s:s,s:f,s:f}", "task", phase == SSV_TRANSIT ? "fly-to-beam" : "fly-beam-to-hub", "time_s",
+                     flight->time_s[phase], "impulse_Ns", flight->impulse_Ns[phase]);
+}
+
+static json_t* part_json(const report_t* report, int i) {
+    const assembly_part_t* const part = &report->result->best.part[i];
+    const flight_t* const flight = &report->flight[i];
+    return json_pack("{s:s,s:s,s:s,s:f,s:f,s:f,s:i,s:f,s:o,s:o,s:o,s:[o,o]}", "task", "assemble-part", "beam",
+                     report->structure->beam[part->beam].name, "slot", report->structure->slot[part->slot].name, "cost",
+                     part->price.cost, "time_s", part->price.time_s, "impulse_Ns", part->price.impulse_Ns, "contact",
+                     flight->contact, "attach_height_m", flight->attach_height_m, "clearance_m",
+                     flight->has_clearance ? json_real(flight->clearance_m) : json_null(), "scenario_hash",
+                     hash_json(flight->scenario_hash), "plan_hash", hash_json(flight->plan_hash), "subtasks",
+                     phase_json(flight, SSV_TRANSIT), phase_json(flight, SSV_TRANSFER));
+}
+
+static bool report_json(FILE* out, const void* content) {
+    const report_t* const report = content;
+    const assembly_result_t* const result = report->result;
+    double time_s = 0, impulse_Ns = 0;
+    json_t* const parts = json_array();
+    for (int i = 0; i < result->best.num_parts; i++) json_array_append_new(parts, part_json(report, i));
+    sum_up(&result->best, &time_s, &impulse_Ns);
+    return wire_json_write(
+        out, json_pack("{s:{s:s,s:f,s:f,s:f,s:b,s:f,s:o,s:s,s:o},s:{s:I,s:I,s:i,s:I,s:I,s:i,s:f,s:f}}", "schedule",
+                       "structure", report->shown, "cost", result->best.cost, "time_s", time_s, "impulse_Ns",
+                       impulse_Ns, "optimal", result->status == HTN_OPTIMAL, "lower_bound", result->lower_bound,
+                       "greedy_cost", result->greedy.num_parts > 0 ? json_real(result->greedy.cost) : json_null(),
+                       "task", "assemble-structure", "subtasks", parts, "search", "prices",
+                       (json_int_t)report->counts.asked, "known", (json_int_t)report->counts.known, "poses",
+                       report->counts.poses, "states", (json_int_t)result->states, "nodes", (json_int_t)result->nodes,
+                       "threads", report->counts.threads, "first_s", report->first_s, "wall_s", report->wall_s));
+}
+
+// ---- The command ----------------------------------------------------------------------------------------------------
+
+/// Whether the planner takes the structure's numbers, as far as they are the same for every part.
+static bool check_task(const pricing_t* pricing, const structure_t* structure, const char* shown) {
+    const assembly_question_t first = {.left = -1};
+    const ssv_scenario_t scenario = pricing_scenario(pricing, &first);
+    ssv_problem_t problem;
+    ssv_fault_t fault;
+    (void)structure;
+    if (ssv_problem_init(&problem, &scenario, &fault) == SSV_OK) return true;
+    fprintf(stderr, "ssv: %s: %s: %.9g: %s\n", shown, fault.field, real_to_double(fault.value),
+            ssv_status_str(fault.status));
+    return false;
+}
+
+static int conclude(const arguments_t* arguments, const pricing_t* pricing, report_t* report) {
+    const assembly_result_t* const result = report->result;
+    if (result->asked_in_vain) {
+        fprintf(stderr, "ssv: out of memory\n");
+        return EXIT_FAILED;
+    }
+    if (result->best.num_parts == 0) {
+        fprintf(stderr, "ssv: %s: %s\n", report->shown,
+                result->status == HTN_NO_PLAN ? "no schedule: by every order and choice of beams some part has no plan"
+                                              : "no schedule was found in time");
+        return EXIT_INFEASIBLE;
+    }
+    if (!plan_parts(pricing, report)) return EXIT_FAILED;
+    return output_report(arguments->output_path, arguments->as_json ? report_json : report_table, report) ? EXIT_OK
+                                                                                                          : EXIT_FAILED;
+}
+
+static int schedule(const arguments_t* arguments, const structure_t* structure, const char* shown) {
+    assembly_result_t result;
+    pricing_t* const pricing = pricing_open(structure, 0);
+    watch_t watch = {.pricing = pricing, .begun_s = now_s(), .best = INFINITY, .on_terminal = isatty(STDERR_FILENO)};
+    const assembly_prices_t prices = {pricing_ask, pricing};
+    const assembly_limits_t limits = {clock_s, arguments->time_limit_s, found, &watch};
+    if (pricing == NULL) {
+        fprintf(stderr, "ssv: out of memory\n");
+        return EXIT_FAILED;
+    }
+    if (!check_task(pricing, structure, shown)) {
+        pricing_close(pricing);
+        return EXIT_INVALID;
+    }
+    const bool sound = assembly_schedule(structure, &prices, &limits, &result);
+    if (watch.on_terminal) fprintf(stderr, "\r%*s\r", 78, "");
+    report_t report = {.shown = shown,
+                       .structure = structure,
+                       .result = &result,
+                       .counts = pricing_counts(pricing),
+                       .wall_s = now_s() - watch.begun_s,
+                       .first_s = watch.first_s};
+    if (!sound) fprintf(stderr, "ssv: out of memory\n");
+    const int code = sound ? conclude(arguments, pricing, &report) : EXIT_FAILED;
+    pricing_close(pricing);
+    return code;
+}
+
+int schedule_command(int argc, char** argv) {
+    static const struct argp parser = {
+        .options = options_table, .parser = parse_option, .args_doc = "STRUCTURE", .doc = doc};
+    static structure_t structure;
+    arguments_t arguments = {0};
+    char name[] = "ssv schedule", error[1024], shown[256];
+    argv[0] = name;
+    argp_parse(&parser, argc, argv, 0, NULL, &arguments);
+    snprintf(shown, sizeof shown, "%s", strcmp(arguments.path, "-") == 0 ? "standard input" : arguments.path);
+    tree_make_harmless(shown);
+    char* const models = task_data_folder(SSV_MODELS_FROM_BIN);
+    if (models == NULL) {
+        fprintf(stderr, "ssv: out of memory\n");
+        return EXIT_FAILED;
+    }
+    const bool sound = structure_read(&structure, arguments.path, models, error, sizeof error);
+    free(models);
+    if (!sound) {
+        fprintf(stderr, "ssv: %s\n", error);
+        return EXIT_INVALID;
+    }
+    if (arguments.weights_given) {
+        structure.task.weight_time_per_s = arguments.weights[0];
+        structure.task.weight_impulse_per_Ns = arguments.weights[1];
+    }
+    return schedule(&arguments, &structure, shown);
+}

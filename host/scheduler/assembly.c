@@ -1,0 +1,372 @@
+// The domain of assembly: tasks, state, operators and methods.
+#include "assembly.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bound.h"
+
+/// A price among obstacles is sought down to this share of the least one past the hubs alone: what stands makes the
+/// planner look at more ways, and seldom it finds a better one.
+#define FIRST_SHARE 0.9
+#define CERTAIN_SHARE (1 - 1e-9) ///< but for rounding of sums
+
+enum { ASSEMBLE_STRUCTURE, ASSEMBLE_PART, FLY_TO_BEAM, FLY_BEAM_TO_HUB };
+
+const htn_kind_t assembly_kinds[] = {
+    {"assemble-structure", 2}, {"assemble-part", 1}, {"fly-to-beam", 0}, {"fly-beam-to-hub", 0}};
+
+/// A part that may come next.
+typedef struct {
+    int beam, slot;
+    assembly_price_t price;
+    double promise; ///< what it and the rest cost at least
+} choice_t;
+
+/// Those that may come next at one depth of the search, the most promising first.
+typedef struct {
+    int count;
+    choice_t* choice;
+} choices_t;
+
+typedef struct {
+    const structure_t* structure;
+    const assembly_prices_t* prices;
+    const assembly_limits_t* limits;
+    uint64_t built, used;
+    int num_built, pose;
+    bound_last_t last;
+    double spent, begun_s;
+    bound_t* bound;                        ///< NULL = none
+    double share;                          ///< of the bound's prices that is believed to be the least,
+    double lowest_share;                   ///< and the least that was seen
+    choices_t at[STRUCTURE_MAX_SLOTS + 1]; ///< by num_built
+    choice_t under_way;                    ///< what the vehicle has flown to
+    assembly_question_t* questions;
+    assembly_price_t* answers;
+    bool in_vain;
+    assembly_schedule_t best;
+} assembly_t;
+
+typedef struct {
+    int pose;
+    bound_last_t last;
+    double spent;
+} before_t;
+
+static assembly_question_t question_of(const assembly_t* assembly, int beam, int slot) {
+    const bool counts = assembly->structure->obstacles;
+    const assembly_question_t question = {assembly->pose, beam, slot, counts ? assembly->last.slot : -1,
+                                          counts ? assembly->built : 0};
+    return question;
+}
+
+/// Ties go by numbers that no name or order in the file has a part in.
+static int by_promise(const void* a, const void* b) {
+    const choice_t *one = a, *other = b;
+    const double d = one->promise != other->promise         ? one->promise - other->promise
+                     : one->price.cost != other->price.cost ? one->price.cost - other->price.cost
+                                                            : one->price.time_s - other->price.time_s;
+    return d < 0 ? -1 : d > 0;
+}
+
+/// What all but the part costs at least once it is done.
+static double rest_after(const assembly_t* assembly, int beam, int slot) {
+    const bound_last_t next = {beam, slot};
+    if (assembly->bound == NULL) return 0;
+    return assembly->share * bound_rest(assembly->bound, assembly->built | UINT64_C(1) << slot,
+                                        assembly->used | UINT64_C(1) << beam, next);
+}
+
+static double least_of_part(const assembly_t* assembly, int beam, int slot) {
+    if (assembly->bound == NULL) return 0;
+    return assembly->share * bound_part(assembly->bound, assembly->last, beam, slot);
+}
+
+static void note_share(assembly_t* assembly, int beam, int slot, double cost) {
+    const double least = assembly->bound == NULL ? 0 : bound_part(assembly->bound, assembly->last, beam, slot);
+    if (least > 0) assembly->lowest_share = fmin(assembly->lowest_share, cost / least);
+}
+
+/// Whether the least that a part and all before and after it cost is less than the best schedule does. The search adds
+/// up in the same order, and so leaves out exactly the parts that have no price for this reason.
+static bool is_of_use(const assembly_t* assembly, double promise) {
+    return assembly->best.num_parts == 0 || assembly->spent + promise < assembly->best.cost;
+}
+
+/// Finds all parts that may come next, and has those priced that are of use. @return false if that was in vain.
+static bool find_choices(assembly_t* assembly) {
+    const structure_t* const structure = assembly->structure;
+    choices_t* const choices = &assembly->at[assembly->num_built];
+    int count = 0;
+    choices->count = 0;
+    for (int s = 0; s < structure->num_slots; s++) {
+        for (int b = 0; b < structure->num_beams && structure_may_build(structure, assembly->built, s); b++) {
+            if (!structure_may_take(structure, assembly->used, b, s)) continue;
+            const double promise = least_of_part(assembly, b, s) + rest_after(assembly, b, s);
+            if (is_of_use(assembly, promise)) {
+                assembly->questions[count++] = question_of(assembly, b, s);
+            } else {
+                choices->choice[choices->count++] = (choice_t){.beam = b, .slot = s, .promise = promise};
+            }
+        }
+    }
+    if (!assembly->prices->ask(assembly->prices->context, assembly->questions, count, assembly->answers)) {
+        assembly->in_vain = true;
+        return false;
+    }
+    for (int i = 0; i < count; i++) {
+        const int b = assembly->questions[i].beam, s = assembly->questions[i].slot;
+        const assembly_price_t* const price = &assembly->answers[i];
+        if (!price->feasible) continue;
+        note_share(assembly, b, s, price->cost);
+        choices->choice[choices->count++] = (choice_t){b, s, *price, price->cost + rest_after(assembly, b, s)};
+    }
+    qsort(choices->choice, (size_t)choices->count, sizeof *choices->choice, by_promise);
+    return true;
+}
+
+// ---- The domain -----------------------------------------------------------------------------------------------------
+
+static void fly_to_beam(assembly_t* assembly, const choice_t* choice) {
+    assembly->used |= UINT64_C(1) << choice->beam;
+    assembly->under_way = *choice;
+}
+
+static void dock(assembly_t* assembly) {
+    assembly->built |= UINT64_C(1) << assembly->under_way.slot;
+    assembly->num_built++;
+    assembly->last = (bound_last_t){assembly->under_way.beam, assembly->under_way.slot};
+    assembly->pose = assembly->under_way.price.pose;
+    assembly->spent += assembly->under_way.price.cost;
+}
+
+/// Both flights are one plan with one price, which counts when the beam is docked.
+static bool apply(void* state, const htn_task_t* task, void* undo, double* cost) {
+    assembly_t* const assembly = state;
+    if (task->kind == FLY_TO_BEAM) {
+        const choice_t* const choice = &assembly->at[assembly->num_built].choice[task->argument[2]];
+        memcpy(undo, &assembly->under_way, sizeof assembly->under_way);
+        fly_to_beam(assembly, choice);
+        *cost = 0;
+    } else {
+        const before_t before = {assembly->pose, assembly->last, assembly->spent};
+        memcpy(undo, &before, sizeof before);
+        *cost = assembly->under_way.price.cost;
+        dock(assembly);
+    }
+    return true;
+}
+
+static void undo(void* state, const htn_task_t* task, const void* undo) {
+    assembly_t* const assembly = state;
+    if (task->kind == FLY_TO_BEAM) {
+        assembly->used &= ~(UINT64_C(1) << task->argument[0]);
+        memcpy(&assembly->under_way, undo, sizeof assembly->under_way);
+    } else {
+        before_t before;
+        memcpy(&before, undo, sizeof before);
+        assembly->built &= ~(UINT64_C(1) << task->argument[1]);
+        assembly->num_built--;
+        assembly->pose = before.pose;
+        assembly->last = before.last;
+        assembly->spent = before.spent;
+    }
+}
+
+_Static_assert(sizeof(choice_t) <= HTN_MAX_UNDO, "what is undone must fit");
+
+static htn_binding_t method(void* state, const htn_task_t* task, int number, int binding, htn_subtasks_t* subtasks) {
+    assembly_t* const assembly = state;
+    const choices_t* const choices = &assembly->at[assembly->num_built];
+    const bool done = assembly->num_built == assembly->structure->num_slots;
+    if (task->kind == ASSEMBLE_PART) {
+        if (binding > 0) return HTN_NO_MORE;
+        subtasks->task[0] = (htn_task_t){FLY_TO_BEAM, {task->argument[0], task->argument[1], task->argument[2]}};
+        subtasks->task[1] = (htn_task_t){FLY_BEAM_TO_HUB, {task->argument[0], task->argument[1], task->argument[2]}};
+        subtasks->count = 2;
+        return HTN_BOUND;
+    }
+    if (number == 0) return binding == 0 && done ? HTN_BOUND : HTN_NO_MORE;
+    if (done || assembly->in_vain || (binding == 0 && !find_choices(assembly)) || binding >= choices->count) {
+        return HTN_NO_MORE;
+    }
+    const choice_t* const choice = &choices->choice[binding];
+    subtasks->task[0] = (htn_task_t){ASSEMBLE_PART, {choice->beam, choice->slot, binding}};
+    subtasks->task[1] = (htn_task_t){ASSEMBLE_STRUCTURE, {0}};
+    subtasks->count = 2;
+    return HTN_BOUND;
+}
+
+/// Before a part is chosen nothing else matters: what is built, which beams are gone, where the vehicle is.
+static bool memory_key(void* state, const htn_agenda_t* agenda, unsigned char key[HTN_MAX_KEY]) {
+    const assembly_t* const assembly = state;
+    if (agenda->task.kind != ASSEMBLE_STRUCTURE) return false;
+    memcpy(&key[0], &assembly->built, 8);
+    memcpy(&key[8], &assembly->used, 8);
+    memcpy(&key[16], &assembly->pose, 4);
+    memcpy(&key[20], &assembly->last.slot, 4);
+    return true;
+}
+
+/// Once a part is chosen, its price is known.
+static double bound(void* state, const htn_agenda_t* agenda) {
+    const assembly_t* const assembly = state;
+    switch (agenda->task.kind) {
+        case ASSEMBLE_PART:
+        case FLY_TO_BEAM: return assembly->at[assembly->num_built].choice[agenda->task.argument[2]].promise;
+        case FLY_BEAM_TO_HUB: return assembly->under_way.promise;
+        default:
+            return assembly->bound == NULL
+                       ? 0
+                       : assembly->share * bound_rest(assembly->bound, assembly->built, assembly->used, assembly->last);
+    }
+}
+
+static const htn_domain_t domain = {assembly_kinds, 4, apply, undo, method, bound, memory_key};
+
+// ---- Schedules ------------------------------------------------------------------------------------------------------
+
+static void add_part(const assembly_t* assembly, const choice_t* choice, assembly_schedule_t* schedule) {
+    schedule->part[schedule->num_parts++] =
+        (assembly_part_t){choice->beam, choice->slot, question_of(assembly, choice->beam, choice->slot), choice->price};
+    schedule->cost += choice->price.cost;
+}
+
+/// Takes the cheapest part each time, until all stands or nothing can follow. @return whether all stands.
+static bool be_greedy(assembly_t* assembly, assembly_schedule_t* schedule) {
+    const assembly_t start = *assembly;
+    *schedule = (assembly_schedule_t){0};
+    while (assembly->num_built < assembly->structure->num_slots) {
+        const choices_t* const choices = &assembly->at[assembly->num_built];
+        if (!find_choices(assembly) || choices->count == 0) break;
+        add_part(assembly, &choices->choice[0], schedule);
+        fly_to_beam(assembly, &choices->choice[0]);
+        dock(assembly);
+    }
+    const bool complete = assembly->num_built == assembly->structure->num_slots, in_vain = assembly->in_vain;
+    if (!complete) *schedule = (assembly_schedule_t){0};
+    *assembly = start;
+    assembly->in_vain = in_vain;
+    return complete;
+}
+
+static void report_found(const assembly_t* assembly) {
+    const assembly_limits_t* const limits = assembly->limits;
+    const bound_last_t start = {-1, -1};
+    if (limits->found == NULL) return;
+    limits->found(limits->context, assembly->best.cost,
+                  assembly->bound == NULL ? 0 : assembly->share * bound_rest(assembly->bound, 0, 0, start));
+}
+
+/// Keeps the choices on the way to a better plan: they stand in `at` now, and nowhere later.
+static bool found(void* context, const htn_plan_t* plan) {
+    assembly_t* const assembly = context;
+    const assembly_t now = *assembly;
+    assembly->built = assembly->used = 0;
+    assembly->num_built = assembly->pose = 0;
+    assembly->last = (bound_last_t){-1, -1};
+    assembly->spent = 0;
+    assembly->best = (assembly_schedule_t){0};
+    for (int i = 0; i < plan->num_steps; i++) {
+        if (plan->steps[i].task.kind != ASSEMBLE_PART) continue;
+        const choice_t* const choice = &assembly->at[assembly->num_built].choice[plan->steps[i].task.argument[2]];
+        add_part(assembly, choice, &assembly->best);
+        fly_to_beam(assembly, choice);
+        dock(assembly);
+    }
+    const assembly_schedule_t best = assembly->best;
+    *assembly = now;
+    assembly->best = best;
+    report_found(assembly);
+    return true;
+}
+
+static double clock_s(void* context) {
+    const assembly_t* const assembly = context;
+    return assembly->limits->clock_s(assembly->limits->context);
+}
+
+static bool make_room(assembly_t* assembly) {
+    const structure_t* const structure = assembly->structure;
+    const size_t most = (size_t)structure->num_beams * (size_t)structure->num_slots;
+    assembly->questions = calloc(most, sizeof *assembly->questions);
+    assembly->answers = calloc(most, sizeof *assembly->answers);
+    bool sound = assembly->questions != NULL && assembly->answers != NULL;
+    for (int i = 0; i <= structure->num_slots; i++) {
+        assembly->at[i].choice = calloc(most, sizeof *assembly->at[i].choice);
+        sound = sound && assembly->at[i].choice != NULL;
+    }
+    return sound;
+}
+
+static double time_left_s(const assembly_t* assembly) {
+    const assembly_limits_t* const limits = assembly->limits;
+    if (limits->clock_s == NULL || limits->time_limit_s <= 0) return INFINITY;
+    return limits->time_limit_s - (limits->clock_s(limits->context) - assembly->begun_s);
+}
+
+static bool has_time(void* context) { return time_left_s(context) > 0; }
+
+/// One search with the share as it is.
+static void search_once(assembly_t* assembly, assembly_result_t* result) {
+    static const htn_task_t all = {ASSEMBLE_STRUCTURE, {0}};
+    const double left_s = time_left_s(assembly);
+    const htn_limits_t limits = {.clock_s = assembly->limits->clock_s == NULL ? NULL : clock_s,
+                                 .time_limit_s = isfinite(left_s) ? fmax(left_s, 1e-9) : 0,
+                                 .found = found,
+                                 .context = assembly};
+    assembly->best = (assembly_schedule_t){0};
+    htn_result_t plan = htn_search(&domain, assembly, &all, 1, &limits);
+    free(plan.plan.steps);
+    result->status = assembly->in_vain ? HTN_STOPPED : plan.status;
+    result->lower_bound = assembly->in_vain ? 0 : plan.lower_bound;
+    result->nodes += plan.nodes;
+    result->states = plan.memories;
+    if (result->best.num_parts == 0 || (assembly->best.num_parts > 0 && assembly->best.cost < result->best.cost)) {
+        result->best = assembly->best;
+    }
+}
+
+/// Searches until no price that was seen is below the share of the bound's that the search has relied on.
+static void search(assembly_t* assembly, assembly_result_t* result) {
+    const bool certain = !assembly->structure->obstacles;
+    if (be_greedy(assembly, &result->greedy)) {
+        result->best = assembly->best = result->greedy;
+        report_found(assembly);
+    }
+    if (!assembly->in_vain) {
+        assembly->bound = bound_open(assembly->structure, assembly->prices, has_time, assembly);
+    }
+    assembly->share = certain ? CERTAIN_SHARE : FIRST_SHARE;
+    assembly->lowest_share = 1;
+    for (bool again = true; again;) {
+        search_once(assembly, result);
+        again = result->status != HTN_STOPPED && result->status != HTN_NO_MEMORY &&
+                assembly->lowest_share < assembly->share;
+        if (again) assembly->share = fmax(0, 1 - 2 * (1 - assembly->lowest_share));
+    }
+    result->asked_in_vain = assembly->in_vain;
+    result->relied_share = assembly->bound == NULL || certain ? 0 : assembly->share;
+    result->lowest_share = assembly->lowest_share;
+    bound_close(assembly->bound);
+}
+
+bool assembly_schedule(const structure_t* structure, const assembly_prices_t* prices, const assembly_limits_t* limits,
+                       assembly_result_t* result) {
+    assembly_t* const assembly = calloc(1, sizeof *assembly);
+    *result = (assembly_result_t){.status = HTN_NO_MEMORY};
+    if (assembly == NULL) return false;
+    assembly->structure = structure;
+    assembly->prices = prices;
+    assembly->limits = limits;
+    assembly->last = (bound_last_t){-1, -1};
+    if (limits->clock_s != NULL) assembly->begun_s = limits->clock_s(limits->context);
+    if (make_room(assembly)) search(assembly, result);
+    for (int i = 0; i <= structure->num_slots; i++) free(assembly->at[i].choice);
+    free(assembly->questions);
+    free(assembly->answers);
+    free(assembly);
+    return result->status != HTN_NO_MEMORY;
+}

@@ -1,0 +1,77 @@
+/// The assembly of a structure as a task network, and its schedule at least cost: which beam goes to which slot, in
+/// which order, over which poses of the vehicle.
+///
+///     assemble-structure           all stands: nothing
+///                                  else: assemble-part with any beam and slot that the rules allow; assemble-structure
+///     assemble-part BEAM SLOT      fly-to-beam BEAM; fly-beam-to-hub BEAM SLOT
+///
+/// A part's price depends on where the vehicle starts, on the beam and the slot, and on what stands, and on nothing
+/// else. Where the vehicle ends is rounded (`pricing_ask`), so that few poses occur and the states close to a graph.
+/// Prices come through a callback, all of one state together that may belong to a better schedule. Which may, a bound
+/// tells (bound.h).
+#ifndef SSV_SCHEDULER_ASSEMBLY_H
+#define SSV_SCHEDULER_ASSEMBLY_H
+
+#include "htn.h"
+#include "structure.h"
+
+/// One part to be assembled.
+typedef struct {
+    int pose; ///< number of the vehicle's pose at the start; 0 is the structure's
+    int beam, slot;
+    int left;       ///< slot of the beam that the vehicle stands at, or -1
+    uint64_t built; ///< slots with a beam
+} assembly_question_t;
+
+typedef struct {
+    bool feasible; ///< the rest holds if so
+    double cost, time_s, impulse_Ns;
+    int pose; ///< where the vehicle ends
+} assembly_price_t;
+
+/// Where prices come from. @return false if there are none to be had, which ends the search.
+typedef struct {
+    bool (*ask)(void* context, const assembly_question_t* questions, int count, assembly_price_t* prices);
+    void* context;
+} assembly_prices_t;
+
+typedef struct {
+    int beam, slot;
+    assembly_question_t question;
+    assembly_price_t price;
+} assembly_part_t;
+
+/// Parts in order.
+typedef struct {
+    int num_parts; ///< 0: there is no schedule
+    assembly_part_t part[STRUCTURE_MAX_SLOTS];
+    double cost;
+} assembly_schedule_t;
+
+typedef struct {
+    assembly_schedule_t best, greedy; ///< greedy takes the cheapest part each time
+    htn_status_t status;
+    bool asked_in_vain; ///< prices were not to be had
+    double lower_bound; ///< relies on relied_share, as a proof does
+    /// A price that was not asked for is taken to be no less than this share of the least one of the same beam, slot
+    /// and place to come from, with nothing but the hubs in the way. 0: the proof relies on nothing.
+    double relied_share;
+    double lowest_share; ///< the lowest of those that were asked for
+    uint64_t nodes, states;
+} assembly_result_t;
+
+typedef struct {
+    double (*clock_s)(void* context);
+    double time_limit_s; ///< 0 = none
+    /// Called with each better schedule, and what is proved by then: that none costs less than the bound.
+    void (*found)(void* context, double cost, double lower_bound);
+    void* context; ///< of the two
+} assembly_limits_t;
+
+extern const htn_kind_t assembly_kinds[];
+
+/// Schedules the structure; *result is written in full. @return false if out of memory.
+bool assembly_schedule(const structure_t* structure, const assembly_prices_t* prices, const assembly_limits_t* limits,
+                       assembly_result_t* result);
+
+#endif

@@ -1,0 +1,327 @@
+// Threads that ask the planner, and what it said.
+#define _POSIX_C_SOURCE 200809L
+#include "pricing.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "ssv/answer.h"
+
+#define THREADS_MAX 64
+
+/// A pose in whole steps.
+typedef struct {
+    int64_t step[7];
+} pose_steps_t;
+
+/// A question as it stands in the table: no padding, and all zero where there is none.
+typedef struct {
+    uint64_t built;
+    int32_t pose, left, beam, slot;
+} key_t;
+
+typedef struct {
+    key_t key;
+    assembly_price_t price;
+    bool used;
+} entry_t;
+
+/// One that is asked now.
+typedef struct {
+    assembly_question_t question;
+    int at; ///< of those asked together
+    bool feasible;
+    double cost, time_s, impulse_Ns;
+    pose_steps_t end;
+} work_t;
+
+struct pricing {
+    const structure_t* structure;
+    ssv_scenario_t task;
+    ssv_scene_t scene;
+    pose_steps_t* poses;
+    int num_poses, room_poses;
+    entry_t* entries;
+    size_t num_entries, room;
+    work_t* works;
+    int num_works, room_works;
+    pricing_counts_t counts;
+    int num_threads;
+    pthread_t thread[THREADS_MAX];
+    pthread_mutex_t lock;
+    pthread_cond_t begun, ended;
+    uint64_t round; ///< of questions, this and the next three under the lock
+    int busy;
+    bool closing;
+    atomic_int next; ///< work that nobody has taken yet
+};
+
+// ---- Poses ----------------------------------------------------------------------------------------------------------
+
+static pose_steps_t steps_of(const double p[3], const double q[4]) {
+    pose_steps_t steps;
+    int sign = 0;
+    for (int i = 0; i < 7; i++) steps.step[i] = llround((i < 3 ? p[i] : q[i - 3]) * PRICING_STEPS);
+    for (int i = 3; i < 7 && sign == 0; i++) sign = (steps.step[i] > 0) - (steps.step[i] < 0);
+    for (int i = 3; i < 7; i++) steps.step[i] *= sign;
+    return steps;
+}
+
+static pose_steps_t steps_of_pose(pose_t X) {
+    const double p[3] = {real_to_double(X.p.x), real_to_double(X.p.y), real_to_double(X.p.z)};
+    const double q[4] = {real_to_double(X.q.w), real_to_double(X.q.x), real_to_double(X.q.y), real_to_double(X.q.z)};
+    return steps_of(p, q);
+}
+
+static real_t real_of_steps(int64_t steps) { return real_from_double((double)steps / PRICING_STEPS); }
+
+static vec3_t vec3_of(const double v[3]) {
+    return vec3(real_from_double(v[0]), real_from_double(v[1]), real_from_double(v[2]));
+}
+
+static pose_t pose_of_steps(const pose_steps_t* steps) {
+    const int64_t* const n = steps->step;
+    const pose_t X = {vec3(real_of_steps(n[0]), real_of_steps(n[1]), real_of_steps(n[2])),
+                      {real_of_steps(n[3]), real_of_steps(n[4]), real_of_steps(n[5]), real_of_steps(n[6])}};
+    return X;
+}
+
+/// The pose's number; it gets the next one if it is new. @return -1 if out of memory.
+static int number_of(pricing_t* pricing, const pose_steps_t* steps) {
+    for (int i = 0; i < pricing->num_poses; i++) {
+        if (memcmp(&pricing->poses[i], steps, sizeof *steps) == 0) return i;
+    }
+    if (pricing->num_poses == pricing->room_poses) {
+        const int room = pricing->room_poses == 0 ? 256 : 2 * pricing->room_poses;
+        pose_steps_t* const larger = realloc(pricing->poses, (size_t)room * sizeof *larger);
+        if (larger == NULL) return -1;
+        pricing->poses = larger;
+        pricing->room_poses = room;
+    }
+    pricing->poses[pricing->num_poses] = *steps;
+    return pricing->num_poses++;
+}
+
+// ---- Questions ------------------------------------------------------------------------------------------------------
+
+ssv_scenario_t pricing_scenario(const pricing_t* pricing, const assembly_question_t* question) {
+    const structure_t* const structure = pricing->structure;
+    const structure_beam_t* const beam = &structure->beam[question->beam];
+    const structure_slot_t* const slot = &structure->slot[question->slot];
+    const structure_port_t* const port = &structure->hub[slot->hub[0]].port[slot->port[0]];
+    ssv_scenario_t s = pricing->task;
+    s.X_IS = pose_of_steps(&pricing->poses[question->pose]);
+    s.X_IB = (pose_t){vec3_of(beam->p_IB_m),
+                      {real_from_double(beam->q_IB[0]), real_from_double(beam->q_IB[1]),
+                       real_from_double(beam->q_IB[2]), real_from_double(beam->q_IB[3])}};
+    s.p_IP_m = vec3_of(port->p_IP_m);
+    s.axis_I = vec3_of(port->axis_I);
+    if (structure->obstacles) {
+        const int num_hubs = structure->num_hubs;
+        s.scene = &pricing->scene;
+        s.obstacles = ((UINT64_C(1) << num_hubs) - 1) | question->built << num_hubs;
+        s.left = question->left < 0 ? 0 : UINT64_C(1) << (num_hubs + question->left);
+    }
+    return s;
+}
+
+static void make_scene(pricing_t* pricing) {
+    const structure_t* const structure = pricing->structure;
+    ssv_scene_t* const scene = &pricing->scene;
+    for (int h = 0; h < structure->num_hubs; h++) {
+        scene->obstacle[scene->num_obstacles++] = (ssv_obstacle_t){
+            .kind = SSV_CAPSULE,
+            .p_I_m = vec3_of(structure->hub[h].p_IH_m),
+            .radius_m = real_from_double(structure->hub[h].radius_m),
+        };
+    }
+    for (int i = 0; i < structure->num_slots; i++) {
+        const structure_slot_t* const slot = &structure->slot[i];
+        const structure_port_t* const port = &structure->hub[slot->hub[0]].port[slot->port[0]];
+        scene->obstacle[scene->num_obstacles++] =
+            (ssv_obstacle_t){.kind = SSV_CAPSULE,
+                             .p_I_m = vec3_of(port->p_IP_m),
+                             .axis_I = vec3_of(port->axis_I),
+                             .length_m = real_from_double(structure->task.beam.length_m),
+                             .radius_m = real_from_double(structure->task.beam.radius_m)};
+    }
+}
+
+static void price(const pricing_t* pricing, ssv_work_t* memory, work_t* work) {
+    const ssv_scenario_t scenario = pricing_scenario(pricing, &work->question);
+    ssv_problem_t problem;
+    ssv_fault_t fault;
+    ssv_quote_t quote;
+    work->feasible =
+        ssv_problem_init(&problem, &scenario, &fault) == SSV_OK && ssv_quote(&problem, memory, &quote) == SSV_OK;
+    if (!work->feasible) return;
+    work->cost = real_to_double(quote.cost);
+    work->time_s = real_to_double(quote.time_s);
+    work->impulse_Ns = real_to_double(quote.impulse_Ns);
+    work->end = steps_of_pose(quote.X_IS_final);
+}
+
+/// Takes work until there is none.
+static void price_all(pricing_t* pricing, ssv_work_t* memory) {
+    for (int i = atomic_fetch_add(&pricing->next, 1); i < pricing->num_works; i = atomic_fetch_add(&pricing->next, 1)) {
+        price(pricing, memory, &pricing->works[i]);
+    }
+}
+
+static void* run(void* context) {
+    pricing_t* const pricing = context;
+    ssv_work_t memory;
+    uint64_t seen = 0;
+    pthread_mutex_lock(&pricing->lock);
+    for (;;) {
+        while (pricing->round == seen && !pricing->closing) pthread_cond_wait(&pricing->begun, &pricing->lock);
+        if (pricing->closing) break;
+        seen = pricing->round;
+        pthread_mutex_unlock(&pricing->lock);
+        price_all(pricing, &memory);
+        pthread_mutex_lock(&pricing->lock);
+        if (--pricing->busy == 0) pthread_cond_signal(&pricing->ended);
+    }
+    pthread_mutex_unlock(&pricing->lock);
+    return NULL;
+}
+
+/// Has all threads price what is to be priced, and waits for them.
+static void price_together(pricing_t* pricing) {
+    ssv_work_t memory;
+    atomic_store(&pricing->next, 0);
+    pthread_mutex_lock(&pricing->lock);
+    pricing->round++;
+    pricing->busy = pricing->num_threads;
+    pthread_cond_broadcast(&pricing->begun);
+    pthread_mutex_unlock(&pricing->lock);
+    price_all(pricing, &memory); // this thread is one of them
+    pthread_mutex_lock(&pricing->lock);
+    while (pricing->busy > 0) pthread_cond_wait(&pricing->ended, &pricing->lock);
+    pthread_mutex_unlock(&pricing->lock);
+}
+
+// ---- The table ------------------------------------------------------------------------------------------------------
+
+static key_t key_of(const assembly_question_t* question) {
+    const key_t key = {question->built, question->pose, question->left, question->beam, question->slot};
+    return key;
+}
+
+static entry_t* place_of(entry_t* entries, size_t room, const key_t* key) {
+    uint64_t hash = key->built * 0x9e3779b97f4a7c15u;
+    hash = (hash ^ (uint32_t)key->pose) * 0x9e3779b97f4a7c15u;
+    hash = (hash ^ (uint32_t)key->left) * 0x9e3779b97f4a7c15u;
+    hash = (hash ^ (uint32_t)(key->beam * 64 + key->slot)) * 0x9e3779b97f4a7c15u;
+    size_t i = (size_t)(hash >> 20) & (room - 1);
+    while (entries[i].used && memcmp(&entries[i].key, key, sizeof *key) != 0) i = (i + 1) & (room - 1);
+    return &entries[i];
+}
+
+/// Room for so many more, at most half of the table being in use.
+static bool make_room(pricing_t* pricing, int count) {
+    size_t room = pricing->room == 0 ? 4096 : pricing->room;
+    while (2 * (pricing->num_entries + (size_t)count) > room) room *= 2;
+    if (room != pricing->room) {
+        entry_t* const entries = calloc(room, sizeof *entries);
+        if (entries == NULL) return false;
+        for (size_t i = 0; i < pricing->room; i++) {
+            if (pricing->entries[i].used) *place_of(entries, room, &pricing->entries[i].key) = pricing->entries[i];
+        }
+        free(pricing->entries);
+        pricing->entries = entries;
+        pricing->room = room;
+    }
+    if (count > pricing->room_works) {
+        work_t* const works = realloc(pricing->works, (size_t)count * sizeof *works);
+        if (works == NULL) return false;
+        pricing->works = works;
+        pricing->room_works = count;
+    }
+    return true;
+}
+
+bool pricing_ask(void* context, const assembly_question_t* questions, int count, assembly_price_t* prices) {
+    pricing_t* const pricing = context;
+    if (!make_room(pricing, count)) return false;
+    pricing->num_works = 0;
+    for (int i = 0; i < count; i++) {
+        const key_t key = key_of(&questions[i]);
+        const entry_t* const entry = place_of(pricing->entries, pricing->room, &key);
+        if (entry->used) {
+            prices[i] = entry->price;
+            pricing->counts.known++;
+        } else {
+            pricing->works[pricing->num_works++] = (work_t){.question = questions[i], .at = i};
+        }
+    }
+    if (pricing->num_works > 0) price_together(pricing);
+    for (int k = 0; k < pricing->num_works; k++) {
+        const work_t* const work = &pricing->works[k];
+        const key_t key = key_of(&work->question);
+        entry_t* const entry = place_of(pricing->entries, pricing->room, &key);
+        const int end = work->feasible ? number_of(pricing, &work->end) : 0;
+        if (end < 0) return false;
+        pricing->num_entries += !entry->used;
+        *entry = (entry_t){key, {work->feasible, work->cost, work->time_s, work->impulse_Ns, end}, true};
+        prices[work->at] = entry->price;
+        pricing->counts.asked++;
+    }
+    return true;
+}
+
+pricing_counts_t pricing_counts(const pricing_t* pricing) {
+    pricing_counts_t counts = pricing->counts;
+    counts.poses = pricing->num_poses;
+    counts.threads = pricing->num_threads + 1;
+    return counts;
+}
+
+// ---- Open and close -------------------------------------------------------------------------------------------------
+
+pricing_t* pricing_open(const structure_t* structure, int threads) {
+    pricing_t* const pricing = calloc(1, sizeof *pricing);
+    if (pricing == NULL) return NULL;
+    pricing->structure = structure;
+    ssv_scenario_from_wire(&pricing->task, &structure->task, NULL);
+    pricing->task.margin_m = real_from_double(structure->margin_m);
+    pricing->task.approach_mate_m = real_from_double(structure->approach_mate_m);
+    pricing->task.approach_dock_m = real_from_double(structure->approach_dock_m);
+    pricing->task.contact_speed_max_m_s = real_from_double(structure->contact_speed_max_m_s);
+    make_scene(pricing);
+    pthread_mutex_init(&pricing->lock, NULL);
+    pthread_cond_init(&pricing->begun, NULL);
+    pthread_cond_init(&pricing->ended, NULL);
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    const int wanted = threads > 0 ? threads : cores < 1 ? 1 : cores > THREADS_MAX ? THREADS_MAX : (int)cores;
+    const pose_steps_t start = steps_of(structure->p_IS_m, structure->q_IS);
+    bool sound = number_of(pricing, &start) == 0;
+    while (sound && pricing->num_threads < wanted - 1) {
+        sound = pthread_create(&pricing->thread[pricing->num_threads], NULL, run, pricing) == 0;
+        pricing->num_threads += sound;
+    }
+    if (!sound) {
+        pricing_close(pricing);
+        return NULL;
+    }
+    return pricing;
+}
+
+void pricing_close(pricing_t* pricing) {
+    pthread_mutex_lock(&pricing->lock);
+    pricing->closing = true;
+    pthread_cond_broadcast(&pricing->begun);
+    pthread_mutex_unlock(&pricing->lock);
+    for (int i = 0; i < pricing->num_threads; i++) pthread_join(pricing->thread[i], NULL);
+    pthread_mutex_destroy(&pricing->lock);
+    pthread_cond_destroy(&pricing->begun);
+    pthread_cond_destroy(&pricing->ended);
+    free(pricing->poses);
+    free(pricing->entries);
+    free(pricing->works);
+    free(pricing);
+}
