@@ -146,11 +146,41 @@ static void test_what_is_off_shows_and_what_cancels_does_not(void) {
                               flight.mate.position_mm);
 }
 
+static void test_off_is_every_number_of_mass_and_every_number_of_drag(void) {
+    const rb_body_t ones = {.mass_kg = 1,
+                            .inertia_kg_m2 = {1, 1, 1},
+                            .added_mass_kg = {1, 1, 1},
+                            .drag_lin_kg_s = 1,
+                            .drag_quad_kg_m = 1,
+                            .drag_lin_ang_Nm_s = 1,
+                            .drag_quad_ang_Nm_s2 = 1,
+                            .strip_kg_m2 = 1,
+                            .length_m = 1};
+    const rb_body_t expected = {.mass_kg = 2,
+                                .inertia_kg_m2 = {2, 2, 2},
+                                .added_mass_kg = {2, 2, 2},
+                                .drag_lin_kg_s = 3,
+                                .drag_quad_kg_m = 3,
+                                .drag_lin_ang_Nm_s = 3,
+                                .drag_quad_ang_Nm_s2 = 3,
+                                .strip_kg_m2 = 3,
+                                .length_m = 1};
+    const replay_off_t off = {2, 3, {1, 1, 0.5, 1, 1, 1}};
+    plan_flight(76, 11, 3, 60);
+    plan.vehicle = plan.beam = ones;
+    replay_put_off(&off, &plan);
+    TEST_ASSERT_EQUAL_MEMORY(&expected, &plan.vehicle, sizeof expected);
+    TEST_ASSERT_EQUAL_MEMORY(&expected, &plan.beam, sizeof expected);
+    TEST_ASSERT_EQUAL_DOUBLE(1, plan.thruster[0].n[0]);
+    TEST_ASSERT_EQUAL_DOUBLE(0.5, plan.thruster[2].n[1]);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_a_flight_that_holds_its_way_arrives_exactly);
     RUN_TEST(test_a_flight_whose_time_constants_are_too_short_is_given_up_early);
     RUN_TEST(test_a_long_flight_tells_how_far_it_is);
+    RUN_TEST(test_off_is_every_number_of_mass_and_every_number_of_drag);
     RUN_TEST(test_what_is_off_shows_and_what_cancels_does_not);
     return UNITY_END();
 }

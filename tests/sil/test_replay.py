@@ -397,6 +397,19 @@ class Verdict(unittest.TestCase):
             self.assertGreater(result["time"]["flown_s"], 30 * far_m)
             self.assertLess(result["integration"]["moved_m"], 0.05 * 5e-3)
 
+    def test_a_segment_shorter_than_float_tells_instants_apart_by_is_where_its_leg_says(self):
+        """Of the transfer the first 10 us, at 68 s: in float, instants within 32 us are one."""
+        plan = hand_made_plan()
+        plan["plan"]["answer"]["planner"]["scalar"] = "float"
+        segments = plan["plan"]["segments"]
+        first = segments[4]
+        short = first | {"duration_s": 1e-5, "u_end_N": first["u_start_N"]}
+        segments[4] = first | {"t_s": first["t_s"] + 1e-5, "duration_s": first["duration_s"] - 1e-5}
+        segments.insert(4, short)
+        plan["plan"]["num_segments"] += 1
+        run = replay(plan)
+        self.assertEqual(run.returncode, 0, run.stdout.decode() + run.stderr.decode())
+
     def assert_not_judged(self, plan, words):
         begun_s = time.monotonic()
         run = replay(plan, "--format", "json")
