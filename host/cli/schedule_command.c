@@ -32,9 +32,10 @@ static const char doc[] =
     "\n"
     "Exit codes:\n"
     "   0  schedule found\n"
-    "   2  the structure is refused: a file cannot be read, a key or a value is wrong,\n"
-    "      or it does not close; the message names the place\n"
-    "   3  the structure is sound, but there is no schedule, or none was found in time\n"
+    "   2  the structure is refused: a file cannot be read, a key or a value is\n"
+    "      wrong, or it does not close; the message names the place\n"
+    "   3  the structure is sound, but there is no schedule, or none was found in\n"
+    "      time\n"
     "  64  wrong arguments\n"
     "   1  anything else, e.g. FILE cannot be written\n";
 
