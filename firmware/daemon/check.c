@@ -15,8 +15,7 @@
 /// Longest encoded task.
 #define TASK_BYTES_MAX 8192
 
-// ---- The hash of a question
-// ---------------------------------------------------------------------------------------------
+// ---- The hash of a question -----------------------------------------------------------------------------------------
 
 uint64_t ssv_question_hash(const void* message, size_t size) {
     const uint8_t* bytes = message;
@@ -32,8 +31,7 @@ uint64_t ssv_task_question_hash(const lcm_ssv_task_t* question) {
     return size > 0 ? ssv_question_hash(message, (size_t)size) : 0;
 }
 
-// ---- What is wrong
-// ------------------------------------------------------------------------------------------------------
+// ---- What is wrong --------------------------------------------------------------------------------------------------
 
 // A check stops at the first fault, which it names. Numbers of a planner are as good as its arithmetic: `relative` of
 // their size, and `absolute` for those that come of differences of positions and angles of some metres and radians.
@@ -64,8 +62,7 @@ static bool check_amount(const check_t* check, const char* what, double value) {
     return fail(check, "%s: %.9g is no amount", what, value);
 }
 
-// ---- Poses
-// --------------------------------------------------------------------------------------------------------------
+// ---- Poses ----------------------------------------------------------------------------------------------------------
 
 static void turn(const double q[4], const double v[3], double turned[3]) {
     const double t[3] = {2 * (q[2] * v[2] - q[3] * v[1]), 2 * (q[3] * v[0] - q[1] * v[2]),
@@ -150,8 +147,7 @@ static void move_along(const lcm_ssv_leg_t* leg, double s, lcm_ssv_pose_t* X) {
     *X = end;
 }
 
-// ---- A price
-// ------------------------------------------------------------------------------------------------------------
+// ---- A price --------------------------------------------------------------------------------------------------------
 
 static double price_of(const lcm_ssv_scenario_t* question, double time_s, double impulse_Ns) {
     return question->weight_time_per_s * time_s + question->weight_impulse_per_Ns * impulse_Ns;
@@ -314,8 +310,7 @@ bool ssv_check_quotes(const lcm_ssv_scenario_batch_t* question, uint64_t questio
     return true;
 }
 
-// ---- A motion
-// -----------------------------------------------------------------------------------------------------------
+// ---- A motion -------------------------------------------------------------------------------------------------------
 
 static bool check_arcs(const check_t* check, const lcm_ssv_plan_t* plan, int index, int* next_arc) {
     const lcm_ssv_leg_t* leg = &plan->legs[index];
@@ -444,8 +439,7 @@ static bool check_events(const check_t* check, const lcm_ssv_plan_t* plan, doubl
            check_sum(check, "events[1].t_s", plan->events[1].t_s, plan->quote.time_s);
 }
 
-// ---- What it keeps clear of
-// -----------------------------------------------------------------------------------------
+// ---- What it keeps clear of -----------------------------------------------------------------------------------------
 
 // How far the two ends of a clearance may be apart.
 #define BRACKET_M 0.005
@@ -484,7 +478,7 @@ static double slack_of(const check_t* check, const lcm_ssv_plan_t* plan) {
 static bool check_clearance(const check_t* check, const lcm_ssv_task_t* task, const lcm_ssv_plan_t* plan) {
     const lcm_ssv_clearance_t* is = &plan->clearance;
     const double slack_m = slack_of(check, plan);
-    ssv_clearance_t own;
+    ssv_clearance_t own = {.obstacle = SSV_OBSTACLE_NONE};
     if (!measure_clearance(check, task, plan, &own)) return false;
     if ((is->obstacle == LCM_SSV_CLEARANCE_T_OBSTACLE_NONE) != (own.obstacle == SSV_OBSTACLE_NONE)) {
         return fail(check, "clearance.obstacle: %d, but there is %s to keep clear of", is->obstacle,

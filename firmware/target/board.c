@@ -20,8 +20,7 @@ void _fini(void);
 #define SYSTICK_VALUE REGISTER(0xe000e018)
 #define COPROCESSOR_ACCESS REGISTER(0xe000ed88)
 
-// ---- Instructions
-// -------------------------------------------------------------------------------------------------------
+// ---- Instructions ---------------------------------------------------------------------------------------------------
 
 // The clock runs at 25 MHz, and `-icount shift=5` has an instruction take 2^5 ns.
 #define TICK_NS 40
@@ -41,8 +40,7 @@ uint64_t board_instructions(void) {
     return ((uint64_t)turn * TICKS_PER_TURN + (TICKS_PER_TURN - 1 - left)) * TICK_NS / INSTRUCTION_NS;
 }
 
-// ---- Stack
-// --------------------------------------------------------------------------------------------------------------
+// ---- Stack ----------------------------------------------------------------------------------------------------------
 
 #define PAINT 0x5aa5c33c5aa5c33cu
 // What the painter's own frame may take.
@@ -61,8 +59,7 @@ size_t board_stack_used(void) {
     return (size_t)((const volatile uint8_t*)painted_to - (const volatile uint8_t*)p);
 }
 
-// ---- Start
-// --------------------------------------------------------------------------------------------------------------
+// ---- Start ----------------------------------------------------------------------------------------------------------
 
 void _init(void) {}
 void _fini(void) {}

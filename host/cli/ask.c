@@ -381,10 +381,25 @@ static int planners_there(const deal_t* deal, double t_s) {
     return there;
 }
 
+static bool is_same_obstacle(const lcm_ssv_obstacle_t* a, const lcm_ssv_obstacle_t* b) {
+    bool same = a->kind == b->kind && a->length_m == b->length_m && a->radius_m == b->radius_m;
+    for (int i = 0; i < 3; i++) same = same && a->p_I_m[i] == b->p_I_m[i] && a->axis_I[i] == b->axis_I[i];
+    return same;
+}
+
+static bool is_same_scene(const lcm_ssv_scene_t* a, const lcm_ssv_scene_t* b) {
+    bool same =
+        a->num_obstacles == b->num_obstacles && a->tank.kind == b->tank.kind && a->tank.radius_m == b->tank.radius_m;
+    for (int i = 0; i < 3; i++)
+        same = same && a->tank.from_I_m[i] == b->tank.from_I_m[i] && a->tank.to_I_m[i] == b->tank.to_I_m[i];
+    for (int k = 0; k < SSV_MAX_OBSTACLES && same; k++) same = is_same_obstacle(&a->obstacles[k], &b->obstacles[k]);
+    return same;
+}
+
 /// How many of the tasks from here on have the scene of the first, up to so many.
 static int with_one_scene(const lcm_ssv_task_t* tasks, int most) {
     int count = 1;
-    while (count < most && memcmp(&tasks[count].scene, &tasks[0].scene, sizeof tasks[0].scene) == 0) count++;
+    while (count < most && is_same_scene(&tasks[count].scene, &tasks[0].scene)) count++;
     return count;
 }
 

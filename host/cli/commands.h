@@ -12,6 +12,7 @@ enum {
     EXIT_OVERFLOW = 5,   ///< the scenario is sound, but a number does not fit the planner's scalar
     EXIT_MISSED = 6,     ///< flown, but mate or dock did not succeed
     EXIT_ABORTED = 7,    ///< the flight ended before: stopped, strayed, refused, or the vehicle fell silent
+    EXIT_TOUCHED = 8,    ///< flown in simulation, and something was touched that was to be kept clear of
     EXIT_USAGE = 64      ///< wrong arguments (sysexits.h, argp)
 };
 

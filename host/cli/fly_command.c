@@ -74,6 +74,8 @@ static const char doc[] =
     "   6  missed: mate or dock did not succeed in as many attempts as are made\n"
     "   7  aborted: stopped by Ctrl-C or by another, strayed from the plan, refused\n"
     "      by the planner or the vehicle, or the vehicle fell silent\n"
+    "   8  touched, however the flight ended: with --sim, vehicle or beam hit\n"
+    "      something that the scenario has around\n"
     "  64  wrong arguments\n"
     "   1  anything else, e.g. FILE cannot be written\n";
 
@@ -368,7 +370,8 @@ static int write_plan(const report_plan_t* plan) {
 
 // ---- The command ----------------------------------------------------------------------------------------------------
 
-static int exit_code(const lcm_ssv_execution_t* end) {
+static int exit_code(const lcm_ssv_execution_t* end, const json_t* truth) {
+    if (report_touches(truth)) return EXIT_TOUCHED;
     switch (end->outcome) {
         case LCM_SSV_EXECUTION_T_OUTCOME_DOCKED: return EXIT_OK;
         case LCM_SSV_EXECUTION_T_OUTCOME_MISSED: return EXIT_MISSED;
@@ -438,7 +441,7 @@ static int fly(flight_t* flight, const report_plan_t* predicted, lcm_ssv_task_t*
             .seed = options->seed == NULL ? "1" : options->seed,
         };
         code = output_report(options->output_path, options->as_json ? report_flight_json : report_flight_table, &report)
-                   ? exit_code(&news)
+                   ? exit_code(&news, truth)
                    : EXIT_FAILED;
     }
     json_decref(truth);

@@ -2,6 +2,7 @@
 #include "report.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -159,19 +160,24 @@ static void bound_line(FILE* out, const lcm_ssv_scenario_t* question, const lcm_
     }
 }
 
+/// What an obstacle of a clearance_t is called.
+static const char* obstacle_name(int obstacle, char* text, size_t size) {
+    if (obstacle == LCM_SSV_CLEARANCE_T_OBSTACLE_BEAM) return "its beam";
+    if (obstacle == LCM_SSV_CLEARANCE_T_OBSTACLE_TANK) return "the tank's wall";
+    snprintf(text, size, "obstacle %d", obstacle);
+    return text;
+}
+
 /// How clear the plan keeps, where there is something to keep clear of.
 static void clearance_line(FILE* out, const lcm_ssv_plan_t* plan) {
     const lcm_ssv_clearance_t* clearance = &plan->clearance;
-    char obstacle[24];
+    char text[24];
     if (clearance->obstacle == LCM_SSV_CLEARANCE_T_OBSTACLE_NONE) {
         return;
     }
-    snprintf(obstacle, sizeof obstacle, "obstacle %d", clearance->obstacle);
     fprintf(out, "Keeps clear by %.0f mm (%s, the %s on leg %d of %d)\n", 1e3 * clearance->certified_m,
-            clearance->obstacle == LCM_SSV_CLEARANCE_T_OBSTACLE_BEAM   ? "its beam"
-            : clearance->obstacle == LCM_SSV_CLEARANCE_T_OBSTACLE_TANK ? "the tank's wall"
-                                                                       : obstacle,
-            name_of(&names_body, clearance->body), clearance->leg + 1, plan->num_legs);
+            obstacle_name(clearance->obstacle, text, sizeof text), name_of(&names_body, clearance->body),
+            clearance->leg + 1, plan->num_legs);
 }
 
 static const char* base_name(const char* path) {
@@ -335,6 +341,22 @@ static void attempt_line(FILE* out, const json_t* truth, const char* name) {
             1e3 * number_of(attempt, "speed_m_s"), outcome == NULL ? "" : outcome, attempts, number_of(attempt, "t_s"));
 }
 
+bool report_touches(const json_t* truth) { return number_of(json_object_get(truth, "clearance"), "least_m") < 0; }
+
+/// How near the flight came to what stands around, by the simulator's truth, beside what the plan promised.
+static void flown_clearance_line(FILE* out, const report_flight_t* flight) {
+    const json_t* const nearest = json_object_get(flight->truth, "clearance");
+    const double least_m = number_of(nearest, "least_m"), margin_m = number_of(nearest, "margin_m");
+    const char* const body = json_string_value(json_object_get(nearest, "body"));
+    char text[24];
+    if (body == NULL) return; // nothing stands around
+    const char* const obstacle = obstacle_name((int)number_of(nearest, "obstacle"), text, sizeof text);
+    fprintf(out, "  %s %.1f mm %s %s (the %s at %.1f s); planned %.1f mm, margin %.1f mm%s\n",
+            least_m < 0 ? "TOUCHED:" : "kept clear by", 1e3 * fabs(least_m), least_m < 0 ? "deep in" : "of", obstacle,
+            body, number_of(nearest, "t_s"), 1e3 * flight->plan.plan->clearance.certified_m, 1e3 * margin_m,
+            least_m >= 0 && least_m < margin_m ? ": below the margin" : "");
+}
+
 bool report_flight_table(FILE* out, const void* report) {
     const report_flight_t* flight = report;
     const lcm_ssv_plan_t* plan = flight->plan.plan;
@@ -363,6 +385,7 @@ bool report_flight_table(FILE* out, const void* report) {
     if (flight->truth != NULL) {
         attempt_line(out, flight->truth, "mate");
         attempt_line(out, flight->truth, "dock");
+        flown_clearance_line(out, flight);
     } else {
         fprintf(out, "  %d attempts to mate and dock\n", end->attempts);
     }

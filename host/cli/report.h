@@ -50,6 +50,9 @@ typedef struct {
     const char* seed;
 } report_flight_t;
 
+/// Whether the simulator's truth says that something was touched; false where there is none.
+bool report_touches(const json_t* truth);
+
 // Each takes a report_plan_t, a report_quotes_t or a report_flight_t.
 
 /// Writes one JSON object; numbers have 17 digits, so reading them gives the same doubles. An answer with

@@ -341,6 +341,9 @@ static bool as_number(layout_t* layout, const tree_t* value, double* number) {
 /// A list of numbers under a key of a map.
 static bool read_numbers(layout_t* layout, const tree_t* map, const char* key, int count, double* numbers) {
     const tree_t* const list = tree_get(map, key);
+    for (int i = 0; i < count; i++) {
+        numbers[i] = 0;
+    }
     if (list == NULL) {
         return tree_fail_key(layout->error, map, NULL, key, "this key is missing");
     }

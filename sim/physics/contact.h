@@ -1,4 +1,4 @@
-/// Contact: how well vehicle and beam arrive where they mate and dock, and how far bodies are from one another.
+/// Contact: how well vehicle and beam arrive where they mate and dock, and how far bodies are from what stands around.
 #ifndef SIM_CONTACT_H
 #define SIM_CONTACT_H
 
@@ -59,8 +59,29 @@ typedef struct {
     double offset_m;
 } sim_half_space_t;
 
-/// Signed distances: negative by the depth to which they overlap.
+/// A tube with flat ends: all points that are within the radius of the line from a to b, and beside it. The capsule of
+/// the same line and radius sticks out of both ends.
+typedef struct {
+    double a_m[3], b_m[3];
+    double radius_m;
+} sim_tube_t;
+
+typedef enum { SIM_NO_TANK, SIM_BOX, SIM_CYLINDER } sim_tank_kind_t;
+
+/// Water that must not be left: a box along the axes of {n}, or an upright cylinder.
+typedef struct {
+    sim_tank_kind_t kind;
+    double from_m[3], to_m[3]; ///< corners of a box; of a cylinder the middle of its floor, and z of its lid alone
+    double radius_m;           ///< of a cylinder
+} sim_tank_t;
+
+/// Signed distances between surfaces: negative by the depth to which they overlap; of a tube, by the depth of the
+/// deepest point of the other's line, less its radius.
 double sim_distance_m(const sim_capsule_t* one, const sim_capsule_t* other);
 double sim_height_m(const sim_capsule_t* body, const sim_half_space_t* ground);
+double sim_room_m(const sim_capsule_t* body, const sim_tank_t* tank);
+double sim_tube_distance_m(const sim_tube_t* tube, const sim_capsule_t* other);
+double sim_tube_height_m(const sim_tube_t* tube, const sim_half_space_t* ground);
+double sim_tube_room_m(const sim_tube_t* tube, const sim_tank_t* tank);
 
 #endif

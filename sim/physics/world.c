@@ -132,10 +132,6 @@ static const char* fault_of(const sim_world_config_t* config) {
     if (!not_negative(&config->substep_max_s, 1)) {
         return "substep_max_s must be 0 or more";
     }
-    if (config->num_capsules < 0 || config->num_capsules > SIM_CAPSULES || config->num_half_spaces < 0 ||
-        config->num_half_spaces > SIM_HALF_SPACES) {
-        return "structure: up to 64 capsules and 8 half-spaces";
-    }
     for (int i = 0; i < SIM_THRUSTERS; i++) {
         if (!unit(config->thruster[i].n, 3) || !all_finite(config->thruster[i].r_m, 3)) {
             return "thruster: directions must be unit, positions finite";
@@ -225,38 +221,4 @@ sim_attempt_t sim_world_dock(sim_world_t* world, const sim_port_t* port) {
         world->beam = SIM_BEAM_DOCKED;
     }
     return attempt;
-}
-
-static sim_capsule_t capsule_of_beam(const sim_world_t* world) {
-    sim_capsule_t capsule = {.radius_m = world->config.beam_radius_m};
-    const double half_m = world->config.beam.length_m / 2, low_B[3] = {0, 0, -half_m}, high_B[3] = {0, 0, half_m};
-    rb_rotate(world->X_nB.q, low_B, capsule.a_m);
-    rb_rotate(world->X_nB.q, high_B, capsule.b_m);
-    for (int i = 0; i < 3; i++) {
-        capsule.a_m[i] += world->X_nB.p_m[i];
-        capsule.b_m[i] += world->X_nB.p_m[i];
-    }
-    return capsule;
-}
-
-static double clearance_of(const sim_world_config_t* config, const sim_capsule_t* moving) {
-    double least_m = INFINITY;
-    for (int i = 0; i < config->num_capsules; i++) {
-        least_m = fmin(least_m, sim_distance_m(moving, &config->capsule[i]));
-    }
-    for (int i = 0; i < config->num_half_spaces; i++) {
-        least_m = fmin(least_m, sim_height_m(moving, &config->half_space[i]));
-    }
-    return least_m;
-}
-
-double sim_world_clearance_m(const sim_world_t* world) {
-    const sim_capsule_t beam = capsule_of_beam(world);
-    sim_capsule_t hull = {.radius_m = world->config.hull_radius_m};
-    memcpy(hull.a_m, world->state.eta.p_m, sizeof hull.a_m);
-    memcpy(hull.b_m, world->state.eta.p_m, sizeof hull.b_m);
-    const double hull_m = clearance_of(&world->config, &hull);
-    const double beam_m =
-        world->beam == SIM_BEAM_CARRIED ? clearance_of(&world->config, &beam) : sim_distance_m(&hull, &beam);
-    return fmin(hull_m, beam_m);
 }

@@ -1,4 +1,4 @@
-/// The simulated world: one vehicle, the beam that it fetches, the water, thrusters, navigation and what stands around.
+/// The simulated world: one vehicle, the beam that it fetches, the water, thrusters and navigation.
 ///
 /// A step takes six commands and a length of time; the truth is in the world for all to read, measurements come out one
 /// by one, and to mate and to dock are attempts that the truth decides. No heap, no globals, no input or output; the
@@ -12,9 +12,6 @@
 #include "thruster.h"
 #include "water.h"
 
-#define SIM_CAPSULES 64
-#define SIM_HALF_SPACES 8
-
 typedef struct {
     rb_body_t vehicle, beam;
     rb_thruster_t thruster[SIM_THRUSTERS];
@@ -25,11 +22,6 @@ typedef struct {
     sim_thruster_config_t thrusters;
     sim_navigation_config_t navigation;
     sim_arrival_t mate_limit, dock_limit; ///< beyond which an attempt misses
-
-    double hull_radius_m, beam_radius_m; ///< for distances alone
-    int num_capsules, num_half_spaces;   ///< what stands fixed in {n}
-    sim_capsule_t capsule[SIM_CAPSULES];
-    sim_half_space_t half_space[SIM_HALF_SPACES];
 } sim_world_config_t;
 
 typedef enum { SIM_BEAM_WAITING, SIM_BEAM_CARRIED, SIM_BEAM_DOCKED } sim_beam_t;
@@ -76,9 +68,5 @@ sim_attempt_t sim_world_mate(sim_world_t* world, const sim_mate_place_t* place);
 /// Latches the beam into the port. A hit makes the beam part of the structure as it lies; the vehicle, stopped by the
 /// latch, is let go at rest. A miss changes nothing. Out of turn unless the beam is carried.
 sim_attempt_t sim_world_dock(sim_world_t* world, const sim_port_t* port);
-
-/// Least distance now between what moves (hull, carried beam) and what stands (the structure, a beam that is not
-/// carried); infinite when nothing stands, negative when they overlap.
-double sim_world_clearance_m(const sim_world_t* world);
 
 #endif

@@ -9,6 +9,7 @@
 
 #include "lcm_ssv_plan_t.h"
 #include "lcm_ssv_scenario_t.h"
+#include "lcm_ssv_scene_t.h"
 #include "wire/message.h"
 
 #define MAX_DURATION_S 1e5
@@ -173,6 +174,78 @@ static void take_choice(reader_t* reader, const lcm_ssv_scenario_t* scenario, co
     }
 }
 
+/// A point at the end of a path into the scene.
+static void point(reader_t* reader, const char* path, const char* key, const double from_m[3], double to_m[3]) {
+    char place[96];
+    snprintf(place, sizeof place, "%s.%s", path, key);
+    numbers(reader, place, from_m, 3, ANY, to_m);
+}
+
+static void take_obstacle(reader_t* reader, int k, const lcm_ssv_obstacle_t* from, sim_obstacle_t* to) {
+    char path[64], place[96];
+    double p_m[3], axis[3] = {0};
+    snprintf(path, sizeof path, "scene.obstacles[%d]", k);
+    snprintf(place, sizeof place, "%s.axis_I", path);
+    point(reader, path, "p_I_m", from->p_I_m, p_m);
+    to->is_wall = from->kind == LCM_SSV_OBSTACLE_T_KIND_WALL;
+    if (to->is_wall || from->length_m != 0) {
+        unit(reader, place, from->axis_I, 3, axis);
+    }
+    for (int i = 0; i < 3; i++) {
+        to->wall.n[i] = axis[i];
+        to->wall.offset_m += axis[i] * p_m[i];
+        to->capsule.a_m[i] = p_m[i];
+        to->capsule.b_m[i] = p_m[i] + from->length_m * axis[i];
+    }
+    snprintf(place, sizeof place, "%s.length_m", path);
+    number(reader, place, from->length_m, NOT_NEGATIVE);
+    snprintf(place, sizeof place, "%s.radius_m", path);
+    to->capsule.radius_m = number(reader, place, from->radius_m, NOT_NEGATIVE);
+}
+
+static void take_scene(reader_t* reader, const lcm_ssv_scenario_t* scenario, const lcm_ssv_scene_t* scene,
+                       plan_file_t* plan) {
+    sim_surroundings_t* around = &plan->around;
+    const uint64_t all =
+        scene->num_obstacles >= SIM_OBSTACLES ? ~UINT64_C(0) : (UINT64_C(1) << scene->num_obstacles) - 1;
+    around->num_obstacles = scene->num_obstacles;
+    around->chosen = (uint64_t)scenario->obstacles;
+    around->left = (uint64_t)scenario->left;
+    if ((around->chosen & ~all) != 0) {
+        fail(reader, "scenario.obstacles", "chooses more than the %d obstacles of the scene", scene->num_obstacles);
+    }
+    if ((around->left & ~around->chosen) != 0) {
+        fail(reader, "scenario.left", "has obstacles that scenario.obstacles does not choose");
+    }
+    for (int k = 0; k < scene->num_obstacles && !reader->failed; k++) {
+        take_obstacle(reader, k, &scene->obstacles[k], &around->obstacle[k]);
+    }
+    around->tank.kind = scene->tank.kind == LCM_SSV_TANK_T_KIND_BOX        ? SIM_BOX
+                        : scene->tank.kind == LCM_SSV_TANK_T_KIND_CYLINDER ? SIM_CYLINDER
+                                                                           : SIM_NO_TANK;
+    point(reader, "scene.tank", "from_I_m", scene->tank.from_I_m, around->tank.from_m);
+    point(reader, "scene.tank", "to_I_m", scene->tank.to_I_m, around->tank.to_m);
+    around->tank.radius_m = number(reader, "scene.tank.radius_m", scene->tank.radius_m, NOT_NEGATIVE);
+    around->margin_m = number(reader, "scenario.margin_m", scenario->margin_m, NOT_NEGATIVE);
+    around->approach_mate_m = number(reader, "scenario.approach_mate_m", scenario->approach_mate_m, NOT_NEGATIVE);
+    around->approach_dock_m = number(reader, "scenario.approach_dock_m", scenario->approach_dock_m, NOT_NEGATIVE);
+    around->counts = around->chosen != 0 || around->tank.kind != SIM_NO_TANK || around->margin_m > 0;
+    around->hull_radius_m = number(reader, "scenario.vehicle.radius_m", scenario->vehicle.radius_m, POSITIVE);
+    around->beam_radius_m = number(reader, "scenario.beam.radius_m", scenario->beam.radius_m, POSITIVE);
+}
+
+/// What the watch over a flight knows of task and choice, where anything stands around.
+static void complete_surroundings(plan_file_t* plan) {
+    sim_surroundings_t* around = &plan->around;
+    around->beam_length_m = plan->beam.length_m;
+    around->X_nb = plan->X_IS;
+    around->X_nB = plan->X_IB;
+    around->place = (sim_mate_place_t){plan->standoff_m, plan->attach_height_m, plan->ring_angle_rad};
+    around->port.contact = plan->contact;
+    memcpy(around->port.p_nP_m, plan->p_IP_m, sizeof around->port.p_nP_m);
+    memcpy(around->port.axis_n, plan->axis_I, sizeof around->port.axis_n);
+}
+
 static double tolerance_at(const reader_t* reader, double t_s) {
     return PLAN_TIME_TOLERANCE_S + reader->rounding * fabs(t_s);
 }
@@ -242,6 +315,16 @@ static void take_timeline(reader_t* reader, const lcm_ssv_plan_t* from, plan_fil
     }
     plan->num_transit_segments =
         segments_before(reader, "plan.events[0]", &from->events[0], LCM_SSV_EVENT_T_KIND_MATE, from);
+    // Of segments that are shorter than what instants are told apart by, those after the mate are of the transfer.
+    const double mate_s = from->events[0].t_s;
+    while (plan->num_transit_segments > 0) {
+        const lcm_ssv_segment_t* const last = &from->segments[plan->num_transit_segments - 1];
+        if (from->legs[last->leg].phase == LCM_SSV_LEG_T_PHASE_TRANSIT ||
+            !(fabs(last->t_s - mate_s) <= tolerance_at(reader, mate_s))) {
+            break;
+        }
+        plan->num_transit_segments--;
+    }
     if (segments_before(reader, "plan.events[1]", &from->events[1], LCM_SSV_EVENT_T_KIND_DOCK, from) !=
         plan->num_segments) {
         fail(reader, "plan.events[1]", "must be where the timeline ends");
@@ -258,28 +341,33 @@ static void take_timeline(reader_t* reader, const lcm_ssv_plan_t* from, plan_fil
     }
 }
 
-static void take_plan(reader_t* reader, const lcm_ssv_scenario_t* scenario, const lcm_ssv_plan_t* from,
-                      plan_file_t* plan) {
+static void take_plan(reader_t* reader, const lcm_ssv_scenario_t* scenario, const lcm_ssv_scene_t* scene,
+                      const lcm_ssv_plan_t* from, plan_file_t* plan) {
     reader->rounding = from->answer.planner.scalar == LCM_SSV_PLANNER_T_SCALAR_FLOAT ? FLOAT_ROUNDING : 0;
+    plan->rounding = reader->rounding;
     plan->request_id = from->answer.asker.request_id;
     plan->time_s = number(reader, "plan.quote.time_s", from->quote.time_s, NOT_NEGATIVE);
     plan->impulse_Ns = number(reader, "plan.quote.impulse_Ns", from->quote.impulse_Ns, NOT_NEGATIVE);
     take_task(reader, scenario, plan);
     take_choice(reader, scenario, &from->quote.choice, plan);
+    take_scene(reader, scenario, scene, plan);
+    complete_surroundings(plan);
+    plan->clearance_m = number(reader, "plan.clearance.certified_m", from->clearance.certified_m, ANY);
     take_timeline(reader, from, plan);
 }
 
-/// Reads the two messages from the text. A refusal comes without its question, so the status is looked at in between.
+/// Reads the messages from the text. A refusal comes without its question, so the status is looked at in between.
 static bool read_messages(reader_t* reader, const char* text, size_t size, lcm_ssv_scenario_t* scenario,
-                          lcm_ssv_plan_t* plan) {
-    const wire_part_t answer = {"plan", "plan_t", plan}, question = {"scenario", "scenario_t", scenario};
+                          lcm_ssv_scene_t* scene, lcm_ssv_plan_t* plan) {
+    const wire_part_t answer = {"plan", "plan_t", plan};
+    const wire_part_t question[2] = {{"scenario", "scenario_t", scenario}, {"scene", "scene_t", scene}};
     if (!wire_json_read(reader->file, text, size, &answer, 1, reader->error, reader->error_size)) {
         return false;
     }
     if (plan->quote.status != LCM_SSV_QUOTE_T_STATUS_OK) {
         fail(reader, "plan.quote.status", "only an \"ok\" plan can be flown (reason: %.300s)", plan->quote.reason);
     }
-    if (reader->failed || !wire_json_read(reader->file, text, size, &question, 1, reader->error, reader->error_size)) {
+    if (reader->failed || !wire_json_read(reader->file, text, size, question, 2, reader->error, reader->error_size)) {
         wire_clear("plan_t", plan);
         return false;
     }
@@ -290,17 +378,18 @@ bool plan_file_read(const char* path, plan_file_t* plan, char* error, size_t err
     reader_t reader = {strcmp(path, "-") == 0 ? "standard input" : path, error, error_size, false, 0};
     tree_error_t unreadable = {error, error_size};
     lcm_ssv_scenario_t scenario;
+    lcm_ssv_scene_t scene;
     lcm_ssv_plan_t message;
     size_t size = 0;
     error[0] = '\0';
     memset(plan, 0, sizeof *plan);
     char* const text = tree_file_read(path, &size, &unreadable);
-    const bool read = text != NULL && read_messages(&reader, text, size, &scenario, &message);
+    const bool read = text != NULL && read_messages(&reader, text, size, &scenario, &scene, &message);
     free(text);
     if (!read) {
         return false;
     }
-    take_plan(&reader, &scenario, &message, plan);
+    take_plan(&reader, &scenario, &scene, &message, plan);
     wire_clear("plan_t", &message);
     if (reader.failed) {
         plan_file_free(plan);

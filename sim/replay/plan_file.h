@@ -1,8 +1,8 @@
 /// Reads a plan as `ssv plan --format json` writes it, and checks every number before anything flies on it.
 ///
-/// A plan file stands by itself: it carries the question (`scenario`) and the answer (`plan`), as the messages have
-/// them. Of the answer the choice, the time and impulse that it claims and the thrusts are used; the poses that it
-/// claims to reach are not, as the task decides.
+/// A plan file stands by itself: it carries the question (`scenario` and `scene`) and the
+/// answer (`plan`), as the messages have them. Of the answer the choice, the time, impulse and clearance that it claims
+/// and the thrusts are used; the poses that it claims to reach are not, as the task decides.
 #ifndef SIM_PLAN_FILE_H
 #define SIM_PLAN_FILE_H
 
@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "physics/clearance.h"
 #include "physics/rigid_body.h"
 
 #define PLAN_THRUSTERS 6
@@ -25,6 +26,7 @@ typedef struct {
 
 typedef struct {
     int64_t request_id;
+    double rounding; ///< [-] of its numbers, relative: of the arithmetic that it was computed in
 
     // the task
     rb_body_t vehicle, beam;
@@ -39,8 +41,11 @@ typedef struct {
     double attach_height_m; ///< where along the beam's z the vehicle mates
     double ring_angle_rad;  ///< on which side, about z from x
 
+    sim_surroundings_t around; ///< what stands around task and choice
+
     // the claims
     double time_s, impulse_Ns;
+    double clearance_m; ///< certified; read if `around` counts
 
     // the timeline, contiguous from t = 0; the vehicle mates after the transit segments and docks after the last
     size_t num_segments, num_transit_segments;

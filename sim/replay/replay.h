@@ -21,20 +21,48 @@ typedef struct {
     /// Beam against the port (chosen contact point on it, outward axis there against the port's, roll free); the speed
     /// is the larger of that of the contact point and that of the vehicle.
     replay_arrival_t dock;
-    double thrust_ratio; ///< largest |thrust| over force_max_N
-    double impulse_Ns;   ///< integral of the sum of |thrust|
-    double time_s;       ///< end of the timeline
-    rb_pose_t vehicle_end, beam_end;
+    double thrust_ratio;                         ///< largest |thrust| over force_max_N
+    double impulse_Ns;                           ///< integral of the sum of |thrust|
+    double time_s;                               ///< end of the timeline
+    sim_nearest_t nearest;                       ///< how near vehicle and beam came to what stands around
+    rb_state_t vehicle_at_mate, vehicle_at_dock; ///< just before it takes hold; at the end
+    rb_pose_t beam_end;
+    int64_t num_steps;          ///< that the run took
+    double tolerance;           ///< [-] error of each of these
+    double moved_m, turned_rad; ///< of the end, against a run with 32 times that
 } replay_flight_t;
 
-/// Flies with Runge-Kutta steps of at most step_s, which end on the borders of the segments. At the mate the beam joins
-/// as it lies, errors and all, and takes its share of the momentum.
-void replay_fly(const plan_file_t* plan, double step_s, replay_flight_t* flight);
+/// What the figures are judged by.
+#define REPLAY_POSITION_MAX_MM 5.0
+#define REPLAY_POINTING_MAX_DEG 0.5
+#define REPLAY_SPEED_MAX_M_S 1e-4
+#define REPLAY_RATE_MAX_RAD_S 1e-4
 
-/// Flies with half the step and half again, until that moves the end of the flight by less than 1e-6 m and 1e-6 rad.
-/// @param[out] step_s the step of *flight; halving_m, halving_rad how far the last halving moved its end.
-/// @return false if no step down to 0.0003 s is fine enough: time constants are too short, or the motion too unstable.
-bool replay_fly_converged(const plan_file_t* plan, replay_flight_t* flight, double* step_s, double* halving_m,
-                          double* halving_rad);
+typedef enum {
+    REPLAY_JUDGED,
+    REPLAY_TOO_LONG, ///< it would take more than some 20 million steps: time constants too short for so long a flight
+    REPLAY_TOO_UNSTABLE ///< the rounding of a double moves its end by too much: the motion is too unstable
+} replay_end_t;
+
+/// Who hears how far a flight is, now and then.
+typedef struct {
+    void (*told)(void* context, int run, double share);
+    void* context;
+} replay_listener_t;
+
+/// What is otherwise than the plan takes it for, as factors: mass, inertia and added mass of both bodies; all their
+/// drag; the force of each thruster.
+typedef struct {
+    double mass, drag, thruster[PLAN_THRUSTERS];
+} replay_off_t;
+
+/// Puts it into the plan, whose thrusts and claims stay.
+void replay_put_off(const replay_off_t* off, plan_file_t* plan);
+
+/// Flies with Runge-Kutta steps of controlled error, which end on the borders of the segments; then with a 32nd of that
+/// error, and on until that moves no figure by more than a twentieth of its limit, but those far beyond it. At the mate
+/// the beam joins as it lies, errors and all, and takes its share of the momentum. Takes half a minute at most. @param
+/// listener may be NULL.
+replay_end_t replay_fly(const plan_file_t* plan, const replay_listener_t* listener, replay_flight_t* flight);
 
 #endif

@@ -13,6 +13,7 @@ void scene_of_plan(const plan_file_t* plan, sil_config_t* config) {
     config->port.contact = plan->contact;
     memcpy(config->port.p_nP_m, plan->p_IP_m, sizeof config->port.p_nP_m);
     memcpy(config->port.axis_n, plan->axis_I, sizeof config->port.axis_n);
+    config->around = plan->around;
     config->force_max_N = plan->force_max_N;
     config->boot_id = 1;
 }

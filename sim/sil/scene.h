@@ -1,4 +1,4 @@
-/// The simulated scene of a plan: its bodies, poses, and where it mates and docks.
+/// The simulated scene of a plan: its bodies, poses, where it mates and docks, and what stands around.
 #ifndef SIM_SCENE_H
 #define SIM_SCENE_H
 

@@ -82,12 +82,20 @@ static bool set_allocation(ssv_vehicle_config_t* config, const rb_thruster_t thr
     return true;
 }
 
+static void look(sil_t* sil) {
+    const sim_world_t* world = &sil->world;
+    if (world->beam == SIM_BEAM_DOCKED) return;
+    sim_watch_look(&sil->watch, world->t_s, &world->state.eta, &world->X_nB, world->beam == SIM_BEAM_CARRIED);
+}
+
 const char* sil_init(sil_t* sil, const sil_config_t* config, uint64_t seed) {
     memset(sil, 0, sizeof *sil);
     const char* fault = sim_world_init(&sil->world, &config->world, seed);
     if (fault != NULL) return fault;
     sil->place = config->place;
     sil->port = config->port;
+    sim_watch_init(&sil->watch, &config->around);
+    look(sil);
     ssv_vehicle_config_default(&sil->config, config->boot_id);
     sil->config.link.sign = config->sign;
     sil->config.link.signing = config->signing;
@@ -128,6 +136,7 @@ void sil_step(sil_t* sil) {
     for (int t = 0; t < SIM_THRUSTERS; t++) command[t] = sil->output.is_armed ? (double)command_of[t] : 0;
     sim_world_step(&sil->world, command, SIL_TICK_S);
     sil->now_us += SSV_VEHICLE_TICK_US;
+    look(sil);
     if (!sil->output.attempts) return;
     const ssv_event_kind_t kind = sil->output.event.kind;
     sil->attempt[kind] =

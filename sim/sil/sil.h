@@ -3,6 +3,7 @@
 #ifndef SIM_SIL_H
 #define SIM_SIL_H
 
+#include "physics/clearance.h"
 #include "physics/world.h"
 #include "ssv/vehicle.h"
 
@@ -12,6 +13,7 @@ typedef struct {
     sim_world_config_t world;
     sim_mate_place_t place; ///< where the plan mates and docks
     sim_port_t port;
+    sim_surroundings_t around; ///< nothing if it does not count
     double force_max_N;
     uint32_t boot_id;
     bool sign;
@@ -24,6 +26,7 @@ typedef struct {
     sim_world_t world;
     sim_mate_place_t place;
     sim_port_t port;
+    sim_watch_t watch;           ///< over the flight, until the beam is docked
     int64_t now_us;              ///< the vehicle's clock: when the next tick is due
     ssv_vehicle_output_t output; ///< of the last tick
     int num_attempts[2];         ///< by ssv_event_kind_t
@@ -35,7 +38,8 @@ typedef struct {
 /// @return NULL, or what is wrong with the configuration.
 const char* sil_init(sil_t* sil, const sil_config_t* config, uint64_t seed);
 
-/// One tick of the controller, 5 ms of the world, and the attempt to mate or dock if the controller makes one.
+/// One tick of the controller, 5 ms of the world, a look at what it comes near, and the attempt to mate or dock if the
+/// controller makes one.
 void sil_step(sil_t* sil);
 
 #endif

@@ -16,7 +16,15 @@
 #include "scene.h"
 #include "truth.h"
 
-enum { EXIT_DOCKED = 0, EXIT_MISSED = 1, EXIT_UNFINISHED = 2, EXIT_USAGE = 64, EXIT_INPUT = 65, EXIT_PORT = 69 };
+enum {
+    EXIT_DOCKED = 0,
+    EXIT_MISSED = 1,
+    EXIT_UNFINISHED = 2,
+    EXIT_TOUCHED = 3,
+    EXIT_USAGE = 64,
+    EXIT_INPUT = 65,
+    EXIT_PORT = 69
+};
 
 /// After the end of the timeline so long, on the simulated clock, for the planner to hear of it.
 #define LINGER_US INT64_C(1500000)
@@ -36,9 +44,8 @@ typedef struct {
 static const char doc[] =
     "Simulates the vehicle, its beam and the water of PLAN (the output of ssv plan --format json), and speaks the "
     "vehicle "
-    "link. It flies what is uploaded; of PLAN it takes the bodies, where they are and where they mate and dock. When "
-    "the "
-    "timeline is flown, or on Ctrl-C, it prints the truth as JSON."
+    "link. It flies what is uploaded; of PLAN it takes the bodies, where they are, where they mate and dock, and what "
+    "stands around. When the timeline is flown, or on Ctrl-C, it prints the truth as JSON."
     "\v"
     "Examples:\n"
     "  ssv-sim plan.json\n"
@@ -50,8 +57,9 @@ static const char doc[] =
     "had to "
     "say is sent, it answers with its own time in the same form.\n"
     "\n"
-    "Exit codes: 0 docked, 1 missed, 2 neither (stopped, interrupted), 64 usage, 65 a file is wrong, 69 a port or the "
-    "bus cannot be opened.";
+    "Exit codes: 0 docked, 1 missed, 2 neither (stopped, interrupted), 3 touched something that was to be kept clear "
+    "of, "
+    "however it ended, 64 usage, 65 a file is wrong, 69 a port or the bus cannot be opened.";
 
 static const struct argp_option option_list[] = {
     {"link", 'l', "WHERE", 0, "udp:ADDRESS:PORT, udp-listen:PORT or serial:DEVICE:BAUD (default udp:127.0.0.1:14550)",
@@ -182,6 +190,19 @@ static void print_attempt(const char* name, const sil_t* sil, ssv_event_kind_t k
     printf("},\n");
 }
 
+/// How near vehicle and beam came to what stands around; null if nothing does.
+static void print_clearance(const sim_watch_t* watch) {
+    const sim_nearest_t* nearest = &watch->nearest;
+    if (nearest->obstacle == SIM_NO_OBSTACLE) {
+        printf(" \"clearance\": null,\n");
+        return;
+    }
+    printf(
+        " \"clearance\": {\"least_m\": %.9g, \"margin_m\": %.9g, \"body\": \"%s\", \"obstacle\": %d, \"t_s\": %.6f},\n",
+        nearest->least_m, watch->around.margin_m, nearest->is_beam ? "beam" : "vehicle", nearest->obstacle,
+        nearest->t_s);
+}
+
 static double norm(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 static int report(const sil_t* sil) {
@@ -191,11 +212,13 @@ static int report(const sil_t* sil) {
     printf("{\"outcome\": \"%s\",\n", docked ? "docked" : missed ? "missed" : "unfinished");
     print_attempt("mate", sil, SSV_MATE);
     print_attempt("dock", sil, SSV_DOCK);
+    print_clearance(&sil->watch);
     printf(
         " \"phase\": %d, \"reason\": \"%s\", \"time_s\": %.6f, \"impulse_Ns\": %.9g, \"speed_m_s\": %.9g, "
         "\"rate_rad_s\": %.9g}\n",
         (int)sil->vehicle.state.phase, ssv_link_reason_str(sil->vehicle.state.reason), sil->world.t_s,
         sil->world.impulse_Ns, norm(&sil->world.state.nu[0]), norm(&sil->world.state.nu[3]));
+    if (sil->watch.nearest.least_m < 0) return EXIT_TOUCHED;
     return docked ? EXIT_DOCKED : missed ? EXIT_MISSED : EXIT_UNFINISHED;
 }
 

@@ -85,8 +85,7 @@ static void add_goal(const char* what, double figure, double goal, bool at_least
     report_text(&goals, "result", (at_least ? figure >= goal : figure <= goal) ? "met" : "missed");
 }
 
-// ---- Questions
-// ----------------------------------------------------------------------------------------------------------
+// ---- Questions ------------------------------------------------------------------------------------------------------
 
 static void check(const ssv_scenario_t* scenario, ssv_problem_t* problem) {
     ssv_fault_t fault;
@@ -145,8 +144,7 @@ static double bound_ns(const ssv_problem_t* problem) {
     return (now_ms() - start) * 1e6 / BOUNDS_PER_SAMPLE;
 }
 
-// ---- Over LCM
-// -----------------------------------------------------------------------------------------------------------
+// ---- Over LCM -------------------------------------------------------------------------------------------------------
 
 typedef struct {
     lcm_t* lcm;
@@ -206,8 +204,7 @@ static void link_close(link_t* link) {
     lcm_destroy(link->lcm);
 }
 
-// ---- The scenarios of host/scenarios
-// ------------------------------------------------------------------------------------
+// ---- The scenarios of host/scenarios --------------------------------------------------------------------------------
 
 /// One scenario, planned in one way.
 typedef struct {
@@ -334,8 +331,7 @@ static void report_scenarios(report_t* report, row_t* rows, int count) {
     add_goal("lower bound: p99 [us]", worst_bound_ns / 1e3, 2, false);
 }
 
-// ---- Random tasks: times
-// ------------------------------------------------------------------------------------------------
+// ---- Random tasks: times --------------------------------------------------------------------------------------------
 
 static double least_ms(double (*measured_ms)(const ssv_problem_t*), const ssv_problem_t* problem) {
     double least = INFINITY;
@@ -374,8 +370,7 @@ static void report_random_times(report_t* report) {
     }
 }
 
-// ---- Profiles
-// -----------------------------------------------------------------------------------------------------------
+// ---- Profiles -------------------------------------------------------------------------------------------------------
 
 #define MAX_LEGS (MAX_ROWS * SSV_MAX_LEGS)
 
@@ -441,8 +436,7 @@ static void report_profiles(report_t* report, row_t* rows, int count) {
     }
 }
 
-// ---- The paper's iteration
-// ----------------------------------------------------------------------------------------------
+// ---- The paper's iteration ------------------------------------------------------------------------------------------
 
 /// The case study with the mating side that its tables took: three candidates, one chain each.
 static ssv_scenario_t case_study(bool ease) {
@@ -527,8 +521,7 @@ static void report_euler(report_t* report) {
     }
 }
 
-// ---- Prices
-// -------------------------------------------------------------------------------------------------------------
+// ---- Prices ---------------------------------------------------------------------------------------------------------
 
 static void report_case_study(report_t* report) {
     report_section(
@@ -607,8 +600,7 @@ static void report_ratios(report_t* report, const row_t* rows, int count) {
     }
 }
 
-// ---- Scalars
-// ------------------------------------------------------------------------------------------------------------
+// ---- Scalars --------------------------------------------------------------------------------------------------------
 
 #define SCALAR_REPEATS 100
 
@@ -670,8 +662,7 @@ static void report_scalars(report_t* report) {
     }
 }
 
-// ---- Memory
-// -------------------------------------------------------------------------------------------------------------
+// ---- Memory ---------------------------------------------------------------------------------------------------------
 
 static void plan_once(void* problem) { plan_ms(problem); }
 static void quote_once(void* problem) { quote_ms(problem); }
@@ -704,8 +695,7 @@ static void report_memory(report_t* report, row_t* rows, int count) {
     add_goal("ssv_plan_t and the memory to work in [KiB]", kept_KiB, 32, false);
 }
 
-// ---- Command line
-// -------------------------------------------------------------------------------------------------------
+// ---- Command line ---------------------------------------------------------------------------------------------------
 
 static const char manual[] =
     "Measures method paper, and method optimal with effort quick and best. For the scenarios in host/scenarios: times "

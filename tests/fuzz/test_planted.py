@@ -38,7 +38,7 @@ CASES = {
          ("planner/profile/profile.c", "        if (!(peak > REAL(0))) return too_slow(leg);\n", ""),
          ("planner/profile/profile.c", "    if (!(root.low > REAL(0))) return too_slow(leg);\n", "")),
         "use-of-uninitialized-value",
-        ("ssv_ramp_distance_to", "ssv_ramp_acceleration", "ssv_ramp_ends_coasting", "ssv_ramp_dv_dt"), max_len=1600),
+        ("ssv_ramp_distance_to", "ssv_ramp_acceleration", "ssv_ramp_ends_coasting", "ssv_ramp_dv_dt"), max_len=6144),
     # A file of the vehicle is read past its end.
     "link_vehicle": Plant(
         (("link/server.c", "    if (ftp->offset >= content.length) return SSV_FTP_END_OF_FILE;\n", ""),

@@ -1,4 +1,5 @@
-// Arrivals at mate and dock against places worked out by hand, and distances against points sampled one by one.
+// Arrivals at mate and dock and distances against places worked out by hand, and distances against points sampled one
+// by one.
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -195,6 +196,187 @@ static void test_distances_that_one_can_see(void) {
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 3.2 - 0.7, sim_height_m(&ball, &wall));
 }
 
+static sim_tube_t random_tube(void) {
+    const sim_capsule_t capsule = random_capsule(2, 2);
+    sim_tube_t tube = {.radius_m = between(0.02, 0.5)};
+    memcpy(tube.a_m, capsule.a_m, sizeof tube.a_m);
+    memcpy(tube.b_m, capsule.b_m, sizeof tube.b_m);
+    return tube;
+}
+
+static double length_of(const sim_tube_t* tube) {
+    const double d[3] = {tube->b_m[0] - tube->a_m[0], tube->b_m[1] - tube->a_m[1], tube->b_m[2] - tube->a_m[2]};
+    return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
+
+/// A point of the tube: a share of its length along it, and shares of its radius across it, drawn in to its surface.
+static void point_of_tube(const sim_tube_t* tube, const double share[3], double p[3]) {
+    const double out_m = tube->radius_m / fmax(1, hypot(share[1], share[2]));
+    const double length_m = length_of(tube), aside[3] = {1, 0, 0}, ahead[3] = {0, 1, 0};
+    double z[3], x[3], y[3];
+    for (int i = 0; i < 3; i++) {
+        z[i] = (tube->b_m[i] - tube->a_m[i]) / length_m;
+    }
+    rb_cross(fabs(z[0]) < 0.9 ? aside : ahead, z, x);
+    const double norm = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+    rb_cross(z, x, y);
+    for (int i = 0; i < 3; i++) {
+        p[i] = tube->a_m[i] + share[0] * length_m * z[i] + out_m / norm * (share[1] * x[i] + share[2] * y[i]);
+    }
+}
+
+/// From tube to line by projections in turn: the nearest point of the one, then of the other, and so on. Where they are
+/// apart that comes down to the two nearest points, where they meet to a point of both.
+static double tube_to_line_projected(const sim_tube_t* tube, const sim_capsule_t* line) {
+    const double length_m = length_of(tube);
+    double p[3], q[3] = {0};
+    memcpy(p, line->a_m, sizeof p);
+    for (int turn = 0; turn < 20000; turn++) {
+        double along_m = 0, out_m = 0, along_line = 0, square = 0;
+        for (int i = 0; i < 3; i++) {
+            along_m += (p[i] - tube->a_m[i]) * (tube->b_m[i] - tube->a_m[i]) / length_m;
+        }
+        for (int i = 0; i < 3; i++) {
+            q[i] = tube->a_m[i] + along_m * (tube->b_m[i] - tube->a_m[i]) / length_m;
+            out_m = hypot(out_m, p[i] - q[i]);
+        }
+        const double share = fmax(0, fmin(1, along_m / length_m)), within = fmin(1, tube->radius_m / fmax(out_m, 1e-9));
+        for (int i = 0; i < 3; i++) {
+            const double ahead_m = tube->b_m[i] - tube->a_m[i], d_m = line->b_m[i] - line->a_m[i];
+            q[i] = tube->a_m[i] + share * ahead_m + within * (p[i] - q[i]);
+            along_line += (q[i] - line->a_m[i]) * d_m;
+            square += d_m * d_m;
+        }
+        const double on_line = square > 0 ? fmax(0, fmin(1, along_line / square)) : 0;
+        for (int i = 0; i < 3; i++) {
+            p[i] = line->a_m[i] + on_line * (line->b_m[i] - line->a_m[i]);
+        }
+    }
+    return sqrt(pow(p[0] - q[0], 2) + pow(p[1] - q[1], 2) + pow(p[2] - q[2], 2));
+}
+
+static double room_of_point(const double p[3], const sim_tank_t* tank) {
+    const sim_capsule_t point = {{p[0], p[1], p[2]}, {p[0], p[1], p[2]}, 0};
+    double least_m = fmin(p[2] - tank->from_m[2], tank->to_m[2] - p[2]);
+    if (tank->kind == SIM_BOX) {
+        for (int i = 0; i < 2; i++) {
+            least_m = fmin(least_m, fmin(p[i] - tank->from_m[i], tank->to_m[i] - p[i]));
+        }
+    } else {
+        least_m = fmin(least_m, tank->radius_m - hypot(p[0] - tank->from_m[0], p[1] - tank->from_m[1]));
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-14, least_m, sim_room_m(&point, tank));
+    return least_m;
+}
+
+/// Least room of the points of a tube: over a net, then over finer ones around the best so far.
+static double least_room(const sim_tube_t* tube, const sim_tank_t* tank) {
+    double least_m = INFINITY, best[3] = {0.5, 0, 0}, reach[3] = {0.5, 1, 1};
+    for (int round = 0; round < 70; round++) {
+        const double middle[3] = {best[0], best[1], best[2]};
+        const int cells = round == 0 ? 24 : 6, knots = cells + 1;
+        for (int n = 0; n < knots * knots * knots; n++) {
+            const int k[3] = {n % knots, n / knots % knots, n / knots / knots};
+            double at[3], p[3];
+            for (int i = 0; i < 3; i++) {
+                at[i] = middle[i] + reach[i] * (2.0 * k[i] / cells - 1);
+            }
+            at[0] = fmax(0, fmin(1, at[0]));
+            point_of_tube(tube, at, p);
+            const double value_m = room_of_point(p, tank);
+            if (value_m < least_m) {
+                least_m = value_m;
+                memcpy(best, at, sizeof best);
+            }
+        }
+        for (int i = 0; i < 3; i++) {
+            reach[i] *= 0.8;
+        }
+    }
+    return least_m;
+}
+
+static void test_distances_of_tubes_are_those_that_projections_find(void) {
+    int inside = 0;
+    for (int trial = 0; trial < 200; trial++) {
+        const sim_tube_t tube = random_tube();
+        sim_capsule_t other = random_capsule(1, trial % 5 == 1 ? 0 : 2);
+        const sim_capsule_t around = {
+            {tube.a_m[0], tube.a_m[1], tube.a_m[2]}, {tube.b_m[0], tube.b_m[1], tube.b_m[2]}, tube.radius_m};
+        if (trial % 10 == 0) { // through a point of the tube
+            const double share[3] = {between(0, 1), between(-0.7, 0.7), between(-0.7, 0.7)};
+            double p[3];
+            point_of_tube(&tube, share, p);
+            for (int i = 0; i < 3; i++) {
+                other.b_m[i] = 2 * p[i] - other.a_m[i];
+            }
+        }
+        char label[40];
+        snprintf(label, sizeof label, "trial %d", trial);
+        const double found = sim_tube_distance_m(&tube, &other), apart = tube_to_line_projected(&tube, &other);
+        // Where the line goes through the tube they are 0 apart, and depths count from there. Where it all but touches,
+        // projections come nearer with the square root of their number.
+        if (apart > 1e-5) {
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-5, apart - other.radius_m, found, label);
+        } else {
+            TEST_ASSERT_TRUE_MESSAGE(found <= 1e-5 - other.radius_m, label);
+            inside++;
+        }
+        TEST_ASSERT_TRUE_MESSAGE(found >= sim_distance_m(&around, &other) - 1e-12, label);
+    }
+    TEST_ASSERT_GREATER_THAN_INT(20, inside);
+}
+
+static void test_the_room_of_tubes_in_tanks_is_that_of_their_points(void) {
+    for (int trial = 0; trial < 200; trial++) {
+        sim_tube_t tube = random_tube();
+        const sim_tank_t tank = {trial % 2 == 0 ? SIM_BOX : SIM_CYLINDER,
+                                 {between(-3, -2), between(-3, -2), between(-3, -2)},
+                                 {between(2, 3), between(2, 3), between(2, 3)},
+                                 between(2, 9)};
+        if (trial % 10 < 4) { // upright, and level
+            const bool upright = trial % 10 < 2;
+            for (int i = 0; i < 3; i++) {
+                if ((i == 2) != upright) {
+                    tube.b_m[i] = tube.a_m[i];
+                }
+            }
+        }
+        char label[40];
+        snprintf(label, sizeof label, "trial %d", trial);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-6, least_room(&tube, &tank), sim_tube_room_m(&tube, &tank), label);
+    }
+}
+
+static void test_tubes_have_flat_ends(void) {
+    const sim_tube_t tube = {{0, 0, -1}, {0, 0, 1}, 0.1};
+    const sim_capsule_t above = {{0, 0, 2}, {0, 0, 2}, 0.3}, beside = {{1, 0, 0.5}, {1, 0, 0.5}, 0.3};
+    const sim_capsule_t off_the_rim = {{0.4, 0, 1.4}, {0.4, 0, 1.4}, 0.3},
+                        across = {{0.05, -2, 1.5}, {0.05, 2, 1.5}, 0.2};
+    const sim_capsule_t within = {{0.02, 0, 0}, {0.02, 0, 0}, 0.3}, through = {{-3, 0, 0.5}, {3, 0, 0.5}, 0.2};
+    TEST_ASSERT_DOUBLE_WITHIN(1e-14, 1 - 0.3, sim_tube_distance_m(&tube, &above));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-14, 1 - 0.1 - 0.3, sim_tube_distance_m(&tube, &beside));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-14, 0.5 - 0.3, sim_tube_distance_m(&tube, &off_the_rim)); // 3, 4, 5
+    TEST_ASSERT_DOUBLE_WITHIN(1e-11, 0.5 - 0.2, sim_tube_distance_m(&tube, &across));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-14, -0.08 - 0.3, sim_tube_distance_m(&tube, &within));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-11, -0.1 - 0.2, sim_tube_distance_m(&tube, &through));
+    const sim_half_space_t floor_at_minus_2 = {{0, 0, 1}, -2}, slope = {{0.6, 0, 0.8}, -2}, wall = {{1, 0, 0}, -2};
+    TEST_ASSERT_DOUBLE_WITHIN(1e-14, 1, sim_tube_height_m(&tube, &floor_at_minus_2));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-14, 2 - 0.1, sim_tube_height_m(&tube, &wall));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-14, 2 - 0.8 - 0.1 * 0.6, sim_tube_height_m(&tube, &slope));
+    const sim_tank_t box = {SIM_BOX, {-2, -3, -1.5}, {4, 0.5, 9}, 0},
+                     pool = {SIM_CYLINDER, {0.3, 0.4, -4}, {0, 0, 5}, 3};
+    TEST_ASSERT_DOUBLE_WITHIN(1e-14, 0.5 - 0.1, sim_tube_room_m(&tube, &box));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-14, 3 - 0.5 - 0.1, sim_tube_room_m(&tube, &pool));
+    const sim_tube_t lies = {{-1, 0, 0}, {1, 0, 0}, 0.1};
+    const sim_tank_t round = {SIM_CYLINDER, {0, 0, -0.15}, {0, 0, 5}, 1.2};
+    TEST_ASSERT_DOUBLE_WITHIN(1e-14, 0.05, sim_tube_room_m(&lies, &round)); // the floor
+    const sim_tank_t deep = {SIM_CYLINDER, {0, 0, -5}, {0, 0, 5}, 1.2};
+    TEST_ASSERT_DOUBLE_WITHIN(1e-14, 1.2 - sqrt(1.01), sim_tube_room_m(&lies, &deep)); // its rim at (1, 0.1)
+    const sim_capsule_t ball = {{0.7, 0, 0}, {0.7, 0, 0}, 0.2};
+    TEST_ASSERT_DOUBLE_WITHIN(1e-14, 1.2 - 0.9, sim_room_m(&ball, &deep));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_a_vehicle_at_its_place_with_any_roll_is_off_by_nothing);
@@ -203,5 +385,8 @@ int main(void) {
     RUN_TEST(test_an_arrival_is_within_up_to_the_very_edge_of_every_limit);
     RUN_TEST(test_distances_of_capsules_are_those_that_a_search_finds);
     RUN_TEST(test_distances_that_one_can_see);
+    RUN_TEST(test_distances_of_tubes_are_those_that_projections_find);
+    RUN_TEST(test_the_room_of_tubes_in_tanks_is_that_of_their_points);
+    RUN_TEST(test_tubes_have_flat_ends);
     return UNITY_END();
 }

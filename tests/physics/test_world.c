@@ -33,8 +33,6 @@ static sim_world_config_t calm(void) {
         .beam = {.mass_kg = 11.3636, .inertia_kg_m2 = {8.81, 8.81, 0.0376}, .strip_kg_m2 = 66.66, .length_m = 3.048},
         .X_nb = {{0, 0, 0}, {1, 0, 0, 0}},
         .X_nB = {{STANDOFF_M, 0, 0}, {1, 0, 0, 0}},
-        .hull_radius_m = HULL_M,
-        .beam_radius_m = 0.0606,
     };
     static const int axis[3] = {2, 0, 1}, push[3] = {0, 1, 2};
     for (int t = 0; t < SIM_THRUSTERS; t++) {
@@ -408,33 +406,6 @@ static void test_a_docked_beam_stays_and_the_vehicle_flies_on_alone(void) {
     TEST_ASSERT_EQUAL_MEMORY(&docked, &world.X_nB, sizeof docked);
 }
 
-static void test_clearance_is_between_what_moves_and_what_stands(void) {
-    sim_world_config_t config = calm();
-    config.X_nb.p_m[0] = -1;
-    config.num_half_spaces = 1;
-    config.half_space[0].n[2] = 1;
-    config.half_space[0].offset_m = -2; // the floor, 0.476 below the beam's lower end
-    begin(&config, 1);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-14, 1 + STANDOFF_M - HULL_M - 0.0606, sim_world_clearance_m(&world));
-    config.X_nb.p_m[0] = 0;
-    begin(&config, 1);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-14, STANDOFF_M - HULL_M - 0.0606, sim_world_clearance_m(&world));
-    const sim_mate_place_t place = place_of_calm();
-    sim_world_mate(&world, &place); // its own beam is no obstacle; the beam's end is now nearest to the floor
-    TEST_ASSERT_DOUBLE_WITHIN(1e-14, 2 - 1.524 - 0.0606, sim_world_clearance_m(&world));
-    config.num_half_spaces = 0;
-    config.num_capsules = 1;
-    const sim_capsule_t hub = {{STANDOFF_M, 0, 1.6}, {STANDOFF_M, 0, 1.6}, 0.1905};
-    config.capsule[0] = hub;
-    begin(&config, 1);
-    sim_world_mate(&world, &place);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-14, 1.6 - 1.524 - 0.0606 - 0.1905, sim_world_clearance_m(&world)); // overlaps
-    config.num_capsules = 0;
-    begin(&config, 1);
-    sim_world_mate(&world, &place);
-    TEST_ASSERT_TRUE(isinf(sim_world_clearance_m(&world)));
-}
-
 static void test_substeps_bring_a_long_step_to_the_same_end(void) {
     sim_world_config_t config = calm();
     config.thrusters.lag_s = 0.2;
@@ -535,7 +506,6 @@ static void test_configurations_that_make_no_sense_are_refused_by_name(void) {
     CHECK_REFUSED("bias", config.navigation.attitude_rad.bias[0] = NAN);
     CHECK_REFUSED("quaternions", config.X_nb.q[0] = 2);
     CHECK_REFUSED("thruster", config.thruster[3].n[0] = 2);
-    CHECK_REFUSED("capsules", config.num_capsules = 65);
     CHECK_REFUSED("substep", config.substep_max_s = -1);
 }
 
@@ -581,7 +551,6 @@ int main(void) {
     RUN_TEST(test_mating_hits_up_to_the_edge_of_every_tolerance_and_a_miss_changes_nothing);
     RUN_TEST(test_the_mate_shares_the_momentum_and_the_pair_moves_on_as_one);
     RUN_TEST(test_a_docked_beam_stays_and_the_vehicle_flies_on_alone);
-    RUN_TEST(test_clearance_is_between_what_moves_and_what_stands);
     RUN_TEST(test_substeps_bring_a_long_step_to_the_same_end);
     RUN_TEST(test_the_same_seed_gives_the_same_bits_and_another_seed_another_flight);
     RUN_TEST(test_one_more_disturbance_leaves_the_others_their_draws);

@@ -95,8 +95,7 @@ static void plan_tasks(uint64_t seed, int method, int first, int step, int count
     }
 }
 
-// ---- Motions of another scalar
-// ------------------------------------------------------------------------------------------
+// ---- Motions of another scalar --------------------------------------------------------------------------------------
 
 static bool read_reals(char** at, real_t* values, int num) {
     for (int k = 0; k < num; k++) {

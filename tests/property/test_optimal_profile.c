@@ -68,8 +68,7 @@ static double top_speed(const leg_t* leg) {
     return top;
 }
 
-// ---- Oracle: cheapest peak speed
-// ---------------------------------------------------------------------------------------
+// ---- Oracle: cheapest peak speed ------------------------------------------------------------------------------------
 
 // The a > 0 (up) or a < 0 that minimises (L(v, a) - price v) / |a|; that minimum.
 static double cheapest(const leg_t* leg, double price, double v, bool up, double* a_best) {
@@ -174,8 +173,7 @@ static double by_peak(const leg_t* leg) {
     return fmin(best, cost_of_peak(leg, golden(cost_of_peak, leg, at / sqrt(2), fmin(at * sqrt(2), fastest), 16)));
 }
 
-// ---- Oracle: dynamic programming over stages of distance
-// ---------------------------------------------------------------
+// ---- Oracle: dynamic programming over stages of distance ------------------------------------------------------------
 
 #define MAX_STAGES 640
 #define FEW_STAGES 20
@@ -254,8 +252,7 @@ static double by_stages(const leg_t* leg, int finest) {
     return best;
 }
 
-// ---- The legs
-// ----------------------------------------------------------------------------------------------------------
+// ---- The legs -------------------------------------------------------------------------------------------------------
 
 // The SSV along and about one of its axes: Tables 1 and 2 of the paper on the default thrusters.
 static ssv_thrusts_t straight(void) {
@@ -401,8 +398,7 @@ static ssv_outcome_t solve(const leg_t* leg) {
 
 static double price(const leg_t* leg) { return leg->w1 * profile.duration_s + leg->w2 * profile.impulse_Ns; }
 
-// ---- Tests
-// -------------------------------------------------------------------------------------------------------------
+// ---- Tests ----------------------------------------------------------------------------------------------------------
 
 static void agree(int n, const leg_t* leg) {
     const double coarse = by_stages(leg, 80), fine = by_stages(leg, 160);

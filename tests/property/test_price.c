@@ -58,8 +58,7 @@ static ssv_scenario_t task(int k, ssv_method_t method, ssv_effort_t effort) {
     return s;
 }
 
-// ---- Against the paper and the lower bound
-// ------------------------------------------------------------------------------
+// ---- Against the paper and the lower bound --------------------------------------------------------------------------
 
 typedef struct {
     double bound, paper, quick, best; // best 0: not asked
@@ -133,8 +132,7 @@ static void test_paper_never_costs_less_than_the_lower_bound(void) {
     assert_none("below the bound", below_bound);
 }
 
-// ---- Invariance
-// ---------------------------------------------------------------------------------------------------------
+// ---- Invariance -----------------------------------------------------------------------------------------------------
 
 enum { MOVED, MIRRORED, TIMES_3, TIMES_4, NUM_CHANGES };
 static const char* const change_name[NUM_CHANGES] = {"moved", "mirrored", "weights times 3", "weights times 4"};
@@ -200,8 +198,7 @@ static bool same_price(const ssv_quote_t* a, const ssv_quote_t* b) {
            x->attach_height_m == y->attach_height_m && x->ring_angle_rad == y->ring_angle_rad;
 }
 
-// ---- Anywhere along the beam
-// --------------------------------------------------------------------------------------------
+// ---- Anywhere along the beam ----------------------------------------------------------------------------------------
 
 static ssv_scenario_t anywhere(int k, ssv_effort_t effort) {
     ssv_scenario_t s = task(k, SSV_METHOD_OPTIMAL, effort);
@@ -262,8 +259,7 @@ static void test_price_anywhere_along_the_beam_is_never_above_that_at_the_height
     TEST_ASSERT_TRUE(sweep_quantile(saved, count, 0.9) > 0.005);
 }
 
-// ---- Quotes, plans and fronts
-// -------------------------------------------------------------------------------------------
+// ---- Quotes, plans and fronts ---------------------------------------------------------------------------------------
 
 typedef enum { AS_QUOTED, BY_PAPER, DIFFERENT } plan_outcome_t;
 

@@ -17,7 +17,7 @@ import ssv as messages
 BIN = Path(os.environ["SSV_BIN_DIR"])
 SCENARIOS = Path(os.environ["SSV_SOURCE_DIR"]) / "host/scenarios"
 ON_AXIS = SCENARIOS / "on_axis.yaml"
-DOCKED, FAILED, REFUSED, INFEASIBLE, NO_ANSWER, MISSED, ABORTED, USAGE = 0, 1, 2, 3, 4, 6, 7, 64
+DOCKED, FAILED, REFUSED, INFEASIBLE, NO_ANSWER, MISSED, ABORTED, TOUCHED, USAGE = 0, 1, 2, 3, 4, 6, 7, 8, 64
 CHILDREN = ["ssv-sim", "ssv-plannerd"]
 
 
@@ -234,6 +234,35 @@ class Rough(InFolder):
         self.assertNotIn("thrust_reserve", self.fly(self.with_reserve(), "--sim", "--conditions", "calm").stderr)
 
 
+class Clearance(InFolder):
+    def test_a_flight_in_still_water_keeps_as_clear_as_its_plan(self):
+        for scenario in sorted((SCENARIOS / "clear").glob("*.yaml")):
+            with self.subTest(scenario.name):
+                flight = self.flown(scenario)
+                found, planned = flight["simulation"]["truth"]["clearance"], flight["plan"]["clearance"]
+                print(f"{scenario.name}: {1e3 * found['least_m']:.1f} mm flown, {1e3 * planned['certified_m']:.1f} certified")
+                self.assertGreater(found["least_m"], planned["certified_m"] - 0.001)  # it tracks to less than that here
+                self.assertEqual(found["margin_m"], flight["scenario"]["margin_m"])
+        table = self.fly(scenario, "--sim").stdout
+        self.assertRegex(table, r"\n  kept clear by \d+\.\d mm of obstacle 0 \(the vehicle at \d+\.\d s\); planned \d+\.\d mm, "
+                                r"margin 30\.0 mm\n")
+        self.assertNotIn("clear", self.fly(ON_AXIS, "--sim").stdout, "nothing stands around")
+
+    def test_a_flight_that_strays_by_more_than_its_plan_keeps_clear_touches(self):
+        """Beside the transit a post, which the plan passes on the side of +y within a few millimetres; and a navigation that
+        is off by 2 cm along y."""
+        task = self.file("graze.yaml", ON_AXIS.read_text() + "\nthrust_reserve: 0.2\nscene:\n  obstacles:\n"
+                                       "    - capsule: {p_I_m: [-9, 0, -2], to_I_m: [9, 0, -2], radius_m: 0.1}\n")
+        off = self.file("off.yaml", "navigation: {rate_Hz: 20, position_m: {bias: [0, 0.02, 0]}}\n")
+        flight = self.flown(task, "--conditions", off, code=TOUCHED)
+        planned, found = flight["plan"]["clearance"], flight["simulation"]["truth"]["clearance"]
+        self.assertEqual((flight["execution"]["outcome"], found["obstacle"]), ("docked", 0))
+        self.assertAlmostEqual(found["least_m"], planned["seen_m"] - 0.02, delta=0.006)  # seen to 5 mm, flown to 1
+        self.assertLess(found["least_m"], 0)
+        done = self.fly(task, "--sim", "--conditions", off, code=TOUCHED)
+        self.assertRegex(done.stdout, r"\n  TOUCHED: \d+\.\d mm deep in obstacle 0 \(the (vehicle|beam) at ")
+
+
 class Ending(InFolder):
     def test_an_interrupt_stops_the_vehicle_and_the_flight_reports(self):
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -314,7 +343,7 @@ class Wrong(InFolder):
             with self.subTest(arguments=arguments):
                 self.fly(*arguments, code=USAGE)
         help_text = self.fly("--help").stdout
-        for words in ("MOVES THE REAL VEHICLE", "Exit codes", "6  missed", "7  aborted"):
+        for words in ("MOVES THE REAL VEHICLE", "Exit codes", "6  missed", "7  aborted", "8  touched"):
             self.assertIn(words, help_text)
 
     def test_without_a_bus_it_says_what_is_missing(self):

@@ -13,7 +13,7 @@ import unittest
 BIN = pathlib.Path(os.environ["SSV_BIN_DIR"])
 SCENARIOS = pathlib.Path(os.environ["SSV_SOURCE_DIR"]) / "host/scenarios"
 PILOT = os.environ["SSV_SIM_PILOT"]
-DOCKED, MISSED, UNFINISHED = 0, 1, 2
+DOCKED, MISSED, UNFINISHED, TOUCHED = 0, 1, 2, 3
 ROUGH = """
 water: {wander_m_s: [0.005, 0.005, 0.005], wander_time_s: 60}
 thrusters: {gain_spread: 0.05, lag_s: 0.2}
@@ -32,13 +32,16 @@ class Sim(unittest.TestCase):
         subprocess.run([BIN / "ssv", "plan", SCENARIOS / "on_axis.yaml", "--format", "json", "--output", cls.plan],
                        check=True, timeout=60)
 
-    def conditions(self, text):
-        path = pathlib.Path(self.scratch.name) / "conditions.yaml"
+    def file(self, name, text):
+        path = pathlib.Path(self.scratch.name) / name
         path.write_text(text)
         return path
 
-    def start(self, *options):
-        sim = subprocess.Popen([BIN / "ssv-sim", self.plan, "--link", "udp-listen:0", "--lockstep", "0", *options],
+    def conditions(self, text):
+        return self.file("conditions.yaml", text)
+
+    def start(self, *options, plan=None):
+        sim = subprocess.Popen([BIN / "ssv-sim", plan or self.plan, "--link", "udp-listen:0", "--lockstep", "0", *options],
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(sim.stdout.close)
         self.addCleanup(sim.stderr.close)
@@ -47,8 +50,8 @@ class Sim(unittest.TestCase):
         ports = [re.search(r"port (\d+)", sim.stderr.readline())[1] for _ in range(2)]
         return sim, ports
 
-    def fly(self, *options, stop=()):
-        sim, ports = self.start(*options)
+    def fly(self, *options, stop=(), plan=None):
+        sim, ports = self.start(*options, plan=plan)
         begun = time.monotonic()
         pilot = subprocess.run([PILOT, "on_axis", *ports, *stop], capture_output=True, text=True, timeout=120)
         took_s = time.monotonic() - begun
@@ -65,6 +68,7 @@ class Sim(unittest.TestCase):
         self.assertEqual((code, truth["outcome"]), (DOCKED, "docked"), out)
         self.assertLess(truth["dock"]["position_m"], 0.01)
         self.assertLess(truth["dock"]["angle_rad"], 0.0087)
+        self.assertIsNone(truth["clearance"], "nothing stands around")
         self.assertEqual(self.fly()[:2], (code, out))
 
     def test_rough_water_makes_open_loop_miss_and_another_seed_is_another_flight(self):
@@ -73,6 +77,30 @@ class Sim(unittest.TestCase):
         self.assertEqual((code, json.loads(out)["outcome"]), (MISSED, "missed"), out)
         self.assertEqual(self.fly("--conditions", path, "--seed", "3", stop=("400",))[1], out)
         self.assertNotEqual(self.fly("--conditions", path, "--seed", "4", stop=("400",))[1], out)
+
+    def test_what_is_planted_on_the_way_is_touched_and_what_is_beside_it_is_not(self):
+        """on_axis goes straight from (0, 0, -3) to the beam: a ball is put in the middle of its transit, and beside it."""
+        plan = json.loads(self.plan.read_text())
+        legs = [leg for leg in plan["plan"]["legs"] if leg["phase"] == "transit"]
+        x, y, z = ((a + b) / 2 for a, b in zip(legs[0]["X_IS_start"]["p_m"], legs[-1]["X_IS_end"]["p_m"]))
+        for off_m, code in ((0, TOUCHED), (40, DOCKED)):
+            with self.subTest(off_m=off_m):
+                ball = {"kind": "capsule", "p_I_m": [x, y, z], "axis_I": [0, 0, 0], "length_m": 0, "radius_m": 0.2}
+                ball["p_I_m"][1] += off_m
+                plan["scene"] |= {"num_obstacles": 1, "obstacles": [ball]}
+                plan["scenario"] |= {"obstacles": "0" * 15 + "1", "margin_m": 0.03}
+                flown_code, out, *_ = self.fly(plan=self.file("planted.json", json.dumps(plan)))
+                truth = json.loads(out)
+                self.assertEqual((flown_code, truth["outcome"]), (code, "docked"), out)
+                found = truth["clearance"]
+                self.assertEqual(found["margin_m"], 0.03)
+                if off_m == 0:
+                    self.assertEqual((found["body"], found["obstacle"]), ("vehicle", 0))
+                    self.assertLess(found["least_m"], -0.3)
+                    self.assertTrue(0 < found["t_s"] < truth["mate"]["t_s"], found)
+                else:
+                    self.assertEqual(found["obstacle"], 64)  # its own beam
+                    self.assertGreater(found["least_m"], 0)
 
     def test_when_the_beats_end_the_vehicle_stops_and_says_why(self):
         code, out, _, pilot = self.fly(stop=("20",))

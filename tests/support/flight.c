@@ -62,7 +62,7 @@ plan_file_t file_of_plan(const ssv_problem_t* problem, const ssv_plan_t* plan) {
     return file;
 }
 
-void flight_of_plan(const ssv_problem_t* problem, const ssv_plan_t* plan, double step_s, replay_flight_t* flight) {
+bool flight_of_plan(const ssv_problem_t* problem, const ssv_plan_t* plan, replay_flight_t* flight) {
     const plan_file_t file = file_of_plan(problem, plan);
-    replay_fly(&file, step_s, flight);
+    return replay_fly(&file, NULL, flight) == REPLAY_JUDGED;
 }

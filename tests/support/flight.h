@@ -8,7 +8,7 @@
 /// The plan of the problem as the simulators read it; its segments live until the next call. The plan must be SSV_OK.
 plan_file_t file_of_plan(const ssv_problem_t* problem, const ssv_plan_t* plan);
 
-/// Flies the plan of the problem open loop with steps of at most step_s. The plan must be SSV_OK.
-void flight_of_plan(const ssv_problem_t* problem, const ssv_plan_t* plan, double step_s, replay_flight_t* flight);
+/// Flies the plan of the problem open loop. The plan must be SSV_OK. @return whether the flight can be judged.
+bool flight_of_plan(const ssv_problem_t* problem, const ssv_plan_t* plan, replay_flight_t* flight);
 
 #endif

@@ -60,8 +60,6 @@ static sim_world_config_t config_of(const ssv_scenario_t* s, double force_max_N,
                        .dropout = conditions->dropout,
                        .position_m = {.white = conditions->position_m},
                        .attitude_rad = {.white = conditions->attitude_rad}},
-        .hull_radius_m = real_to_double(s->vehicle.radius_m),
-        .beam_radius_m = real_to_double(s->beam.radius_m),
     };
     config.beam.strip_kg_m2 = real_to_double(s->beam.drag_strip_kg_m2);
     config.beam.length_m = real_to_double(s->beam.length_m);

@@ -56,8 +56,7 @@ static void fail_with(const char* what, int n, real_t a, real_t b, real_t got) {
     TEST_FAIL_MESSAGE(text);
 }
 
-// ---- Correct rounding
-// ---------------------------------------------------------------------------------------------------
+// ---- Correct rounding -----------------------------------------------------------------------------------------------
 
 // Whether got is n / d to the nearest, ties to even; d > 0.
 static bool is_nearest(exact_t n, exact_t d, exact_t got) {
@@ -118,8 +117,7 @@ static void test_square_roots_are_rounded_to_the_nearest(void) {
     }
 }
 
-// ---- Functions
-// ----------------------------------------------------------------------------------------------------------
+// ---- Functions ------------------------------------------------------------------------------------------------------
 
 typedef struct {
     const char* name;
@@ -203,8 +201,7 @@ static void test_odd_functions_are_exactly_odd_and_the_cosine_is_exactly_even(vo
     }
 }
 
-// ---- Limits
-// -------------------------------------------------------------------------------------------------------------
+// ---- Limits ---------------------------------------------------------------------------------------------------------
 
 static void test_what_does_not_fit_or_exist_becomes_the_limit_and_counts(void) {
     const real_t big = REAL(10000);
@@ -260,8 +257,7 @@ static void test_a_sum_of_31_results_stays_inside_the_64_bits(void) {
     }
 }
 
-// ---- Boundary
-// -----------------------------------------------------------------------------------------------------------
+// ---- Boundary -------------------------------------------------------------------------------------------------------
 
 static void test_constants_and_doubles_are_rounded_to_the_nearest(void) {
     TEST_ASSERT_EQUAL_INT64(INT64_C(1) << 32, REAL(1));

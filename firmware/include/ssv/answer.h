@@ -80,7 +80,7 @@ typedef struct {
 /// Converts scene and scenario of the wire to the core's types, value for value: any content is accepted, nothing is
 /// checked here. The scenario refers to the scene; NULL for none. want_front has no part in it: a front is asked for by
 /// a call of its own.
-void ssv_scene_from_wire(ssv_scene_t* scene, const lcm_ssv_scene_t* message);
+void ssv_scene_from_wire(ssv_scene_t* to, const lcm_ssv_scene_t* message);
 void ssv_scenario_from_wire(ssv_scenario_t* scenario, const lcm_ssv_scenario_t* message, const ssv_scene_t* scene);
 
 /// Converts a plan from the wire to what ssv_plan_sample and ssv_plan_clearance read: legs, arcs, segments, events,

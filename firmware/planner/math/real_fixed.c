@@ -29,8 +29,7 @@ static real_t overflow(bool negative) {
     return negative ? -REAL_MAX : REAL_MAX;
 }
 
-// ---- 64 x 64 -> 128 bits
-// ------------------------------------------------------------------------------------------------
+// ---- 64 x 64 -> 128 bits --------------------------------------------------------------------------------------------
 
 typedef struct {
     uint64_t high, low;
@@ -74,8 +73,7 @@ int64_t real_to_nano(real_t a) {
     return with_sign(a < 0, whole + (((size & UINT32_MAX) * 1000000000 + (UINT64_C(1) << 31)) >> 32));
 }
 
-// ---- The four operations and the root
-// -----------------------------------------------------------------------------------
+// ---- The four operations and the root -------------------------------------------------------------------------------
 
 real_t real_mul(real_t a, real_t b) {
     const wide_t p = signed_product(a, b);
@@ -156,8 +154,7 @@ real_t real_scale(real_t a, int n) {
 
 int real_exponent(real_t a) { return a == 0 ? 0 : 32 - __builtin_clzll(size_of(a)); }
 
-// ---- Transcendental functions
-// -------------------------------------------------------------------------------------------
+// ---- Transcendental functions ---------------------------------------------------------------------------------------
 
 // c[0] + c[1] w + c[2] w^2 + ...
 static int64_t polynomial_q62(const int64_t* c, int num, int64_t w) {
