@@ -188,6 +188,20 @@ static void reason_add_lack(char* reason, const ssv_lack_t* lack) {
     reason_add(reason, " (x, y, z of the vehicle)");
 }
 
+static void reason_add_impossible(char* reason, const ssv_fault_t* fault) {
+    const double value = real_to_double(fault->value), min = real_to_double(fault->min);
+    if (strcmp(fault->field, "standoff_m") == 0) {
+        reason_add(
+            reason,
+            ": %.9g is inside hull and beam, whose radii make %.9g; give that or more, or the hull's radius where "
+            "the beam counts as a line",
+            value, min);
+    } else {
+        reason_add(reason, ": %.9g is more than the other two together, %.9g, which no body has", value,
+                   real_to_double(fault->max));
+    }
+}
+
 /// The fault in words: where, what, and what would be right.
 static void reason_add_fault(char* reason, const ssv_fault_t* fault) {
     const double value = real_to_double(fault->value);
@@ -210,6 +224,13 @@ static void reason_add_fault(char* reason, const ssv_fault_t* fault) {
         case SSV_E_SINGULAR: reason_add_lack(reason, &fault->lack); break;
         case SSV_E_WEIGHTS:
             reason_add(reason, " and weight_impulse_per_Ns: both are zero, one must be positive");
+            break;
+        case SSV_E_IMPOSSIBLE: reason_add_impossible(reason, fault); break;
+        case SSV_E_TOO_FINE:
+            reason_add(reason,
+                       ": %.9g has too few digits in " REAL_NAME
+                       ", which takes %.3g and more; ask a planner that computes in double",
+                       value, min);
             break;
         case SSV_OK:
         case SSV_INFEASIBLE:

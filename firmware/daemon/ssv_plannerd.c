@@ -97,7 +97,9 @@ static void count_answer(lcm_ssv_planner_status_t* status, int64_t* good, ssv_st
         case SSV_INFEASIBLE: status->infeasible++; break;
         case SSV_NUMERIC_OVERFLOW: status->numeric_overflow++; break;
         case SSV_E_NOT_FINITE: status->rejected_not_finite++; break;
-        case SSV_E_RANGE: status->rejected_range++; break;
+        case SSV_E_RANGE:
+        case SSV_E_IMPOSSIBLE:
+        case SSV_E_TOO_FINE: status->rejected_range++; break;
         case SSV_E_NOT_UNIT: status->rejected_not_unit++; break;
         case SSV_E_SINGULAR: status->rejected_singular++; break;
         case SSV_E_WEIGHTS: status->rejected_weights++; break;

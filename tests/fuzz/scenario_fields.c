@@ -4,7 +4,7 @@
 
 #define FIELD(member, count, min, max) {#member, offsetof(lcm_ssv_scenario_t, member), count, min, max}
 #define BODY(body)                                                                                                     \
-    FIELD(body.mass_kg, 1, 0.01, 10000), FIELD(body.inertia_kg_m2, 3, 1e-4, 100000),                                   \
+    FIELD(body.mass_kg, 1, 0.01, 10000), FIELD(body.inertia_kg_m2, 3, 0x1p-16, 10000000),                              \
         FIELD(body.added_mass_kg, 3, 0, 10000), FIELD(body.drag_lin_kg_s, 1, 0, 100000),                               \
         FIELD(body.drag_quad_kg_m, 1, 0, 100000), FIELD(body.drag_lin_ang_Nm_s, 1, 0, 100000),                         \
         FIELD(body.drag_quad_ang_Nm_s2, 1, 0, 100000)
@@ -98,6 +98,14 @@ static void repair_scene(lcm_ssv_scenario_t* scenario, lcm_ssv_scene_t* scene) {
     }
 }
 
+// None larger than the other two together.
+static void repair_moments(double moments[3]) {
+    for (int i = 0; i < 3; i++) {
+        const double others = moments[(i + 1) % 3] + moments[(i + 2) % 3];
+        moments[i] = fmin(moments[i], others);
+    }
+}
+
 void scenario_repair(lcm_ssv_scenario_t* scenario, lcm_ssv_scene_t* scene) {
     repair_scene(scenario, scene);
     for (int k = 0; k < num_scenario_fields; k++) {
@@ -112,6 +120,12 @@ void scenario_repair(lcm_ssv_scenario_t* scenario, lcm_ssv_scene_t* scene) {
         for (int k = 0; k < 3; k++) {
             thruster->p_ST_m[k] = clamped(thruster->p_ST_m[k], -10, 10);
         }
+    }
+    repair_moments(scenario->vehicle.body.inertia_kg_m2);
+    repair_moments(scenario->beam.body.inertia_kg_m2);
+    const double hull_m = scenario->vehicle.radius_m, outside_m = fmin(20, hull_m + scenario->beam.radius_m);
+    if (scenario->standoff_m != hull_m) {
+        scenario->standoff_m = fmax(scenario->standoff_m, outside_m);
     }
     to_unit_length(scenario->X_IS.q, 4);
     to_unit_length(scenario->X_IB.q, 4);

@@ -137,6 +137,32 @@ class BadInputTest(InFolder):
             with self.subTest(field):
                 self.assert_refused(self.scenario_with_model(change), field)
 
+    def test_numbers_that_nothing_can_have_are_refused_with_what_contradicts_them(self):
+        impossible = "8.8 is more than the other two together, 0.2, which no body has"
+        self.assert_refused(self.scenario_with_model(("[8.816417383965, 8.816417383965, 0.03761834553]", "[0.1, 0.1, 8.8]")),
+                            f"mine.yaml:28:18: beam.inertia_kg_m2: {impossible}")
+        self.assert_refused(self.scenario_with_model(("[2.7, 2.7, 2.7]", "[0.1, 8.8, 0.1]")),
+                            f"mine.yaml:7:18: vehicle.inertia_kg_m2: {impossible}")
+        for standoff in ("0.1", "0.3", "0.36"):
+            self.assert_refused(self.scenario(("standoff_m: 0.3025", f"standoff_m: {standoff}")),
+                                f"task.yaml:15:13: standoff_m: {standoff} is inside hull and beam, whose radii make 0.3631")
+
+    def test_moments_of_inertia_go_from_those_of_struts_to_those_of_booms_in_every_scalar_that_has_digits_for_them(self):
+        beam = "[8.816417383965, 8.816417383965, 0.03761834553]"
+        for scalar, arguments in (("double", []), ("float", ["--scalar", "float"]), ("fixed", ["--scalar", "fixed"])):
+            for moments in ("[1.0e-3, 1.0e-3, 1.5e-6]", "[1.0e-9, 1.0e-9, 1.0e-9]"):
+                self.assertEqual(ssv("quote", self.scenario_with_model((beam, moments)), *arguments).returncode, 0, scalar)
+            tiny = self.scenario_with_model(("[2.7, 2.7, 2.7]", "[1.0e-9, 1.0e-9, 1.0e-9]"))
+            if scalar == "fixed":
+                self.assert_refused(tiny, "vehicle.inertia_kg_m2: ", " has too few digits in fixed, which takes 1.53e-05 and more; "
+                                    "ask a planner that computes in double", arguments=arguments)
+            else:
+                self.assertEqual(ssv("quote", tiny, *arguments).returncode, 0, scalar)
+        boom = self.scenario_with_model(("force_max_N: 6 ", "force_max_N: 600 "), ("mass_kg: 11.3636", "mass_kg: 5000"),
+                                        (beam, "[1.0e+6, 1.0e+6, 100]"))
+        for scalar in ("double", "float", "fixed"):
+            self.assertEqual(ssv("quote", boom, "--scalar", scalar).returncode, 0, scalar)
+
     def test_text_where_a_number_belongs_is_refused(self):
         for text in ("1,5", "1.5m", "0x10", "abc", "''", "~", "1e", "--1", "inf"):
             with self.subTest(text):

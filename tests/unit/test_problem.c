@@ -27,6 +27,8 @@ static const bad_t bad[] = {
     {AT(vehicle.body.mass_kg), (double)NAN, SSV_E_NOT_FINITE, "vehicle.body.mass_kg", -1},
     {AT(vehicle.body.mass_kg), (double)INFINITY, SSV_E_NOT_FINITE, "vehicle.body.mass_kg", -1},
     {AT(vehicle.body.inertia_kg_m2.y), 0, SSV_E_RANGE, "vehicle.body.inertia_kg_m2", -1},
+    {AT(vehicle.body.inertia_kg_m2.y), 1.1e7, SSV_E_RANGE, "vehicle.body.inertia_kg_m2", -1},
+    {AT(vehicle.body.inertia_kg_m2.z), 5.5, SSV_E_IMPOSSIBLE, "vehicle.body.inertia_kg_m2", -1}, // 2.7 + 2.7 < 5.5
     {AT(vehicle.body.added_mass_kg.z), -1, SSV_E_RANGE, "vehicle.body.added_mass_kg", -1},
     {AT(vehicle.body.drag_lin_kg_s), -1, SSV_E_RANGE, "vehicle.body.drag_lin_kg_s", -1},
     {AT(vehicle.body.drag_quad_kg_m), 1e6, SSV_E_RANGE, "vehicle.body.drag_quad_kg_m", -1},
@@ -39,6 +41,8 @@ static const bad_t bad[] = {
     {AT(vehicle.thruster[0].n_T_S.x), 1e200, SSV_E_RANGE, "vehicle.thruster[i].n_T_S", 0},
     {AT(beam.body.mass_kg), 0, SSV_E_RANGE, "beam.body.mass_kg", -1},
     {AT(beam.body.inertia_kg_m2.z), -1, SSV_E_RANGE, "beam.body.inertia_kg_m2", -1},
+    {AT(beam.body.inertia_kg_m2.z), 18, SSV_E_IMPOSSIBLE, "beam.body.inertia_kg_m2", -1},
+    {AT(beam.body.inertia_kg_m2.x), 1e-9, SSV_E_IMPOSSIBLE, "beam.body.inertia_kg_m2", -1}, // y is above z
     {AT(beam.radius_m), -1, SSV_E_RANGE, "beam.radius_m", -1},
     {AT(beam.length_m), 0, SSV_E_RANGE, "beam.length_m", -1},
     {AT(beam.drag_strip_kg_m2), -1, SSV_E_RANGE, "beam.drag_strip_kg_m2", -1},
@@ -50,6 +54,8 @@ static const bad_t bad[] = {
     {AT(p_IP_m.y), 2000, SSV_E_RANGE, "port.p_IP_m", -1},
     {AT(axis_I.y), 0, SSV_E_NOT_UNIT, "port.axis_I", -1},
     {AT(standoff_m), 0, SSV_E_RANGE, "standoff_m", -1},
+    {AT(standoff_m), 0.25, SSV_E_IMPOSSIBLE, "standoff_m", -1}, // inside the hull
+    {AT(standoff_m), 0.36, SSV_E_IMPOSSIBLE, "standoff_m", -1}, // 0.3025 + 0.0606 is more
     {AT(weight_time_per_s), -1, SSV_E_RANGE, "weight_time_per_s", -1},
     {AT(weight_impulse_per_Ns), -0.1, SSV_E_RANGE, "weight_impulse_per_Ns", -1},
 };
@@ -96,6 +102,21 @@ static void test_each_bad_choice_is_refused_by_the_name_of_its_field(void) {
     refuse(&s, SSV_E_SINGULAR, "vehicle.thruster");
     s = ssv_scenario_default();
     refuse(&s, SSV_E_RANGE, "vehicle.body.mass_kg");
+}
+
+static void test_what_just_touches_is_no_impossible_number(void) {
+    ssv_scenario_t s = scenario_case_study(true);
+    const double standoffs_m[] = {0.3025, 0.3631, 0.5}; // the hull's radius, as in the paper's tables; both; outside
+    for (int k = 0; k < 3; k++) {
+        s.standoff_m = standoffs_m[k];
+        TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
+    }
+    s.vehicle.body.inertia_kg_m2 = vec3(1.23, 2.34, 3.573); // a plate, rounded
+    TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
+    s.vehicle.body.inertia_kg_m2 = s.beam.body.inertia_kg_m2 = vec3(1e-9, 1e-9, 1e-9);
+    TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
+    s.vehicle.body.inertia_kg_m2 = s.beam.body.inertia_kg_m2 = vec3(1e7, 1e7, 1e7);
+    TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
 }
 
 static void test_refused_scenario_leaves_the_problem_untouched(void) {
@@ -147,8 +168,8 @@ static void test_scenario_hash_changes_with_every_number_and_choice(void) {
 }
 
 static void test_every_status_and_outcome_has_its_own_sentence(void) {
-    for (int a = SSV_E_WEIGHTS; a <= SSV_NUMERIC_OVERFLOW; a++) {
-        for (int b = SSV_E_WEIGHTS; b < a; b++) {
+    for (int a = SSV_E_TOO_FINE; a <= SSV_NUMERIC_OVERFLOW; a++) {
+        for (int b = SSV_E_TOO_FINE; b < a; b++) {
             TEST_ASSERT_TRUE(strcmp(ssv_status_str((ssv_status_t)a), ssv_status_str((ssv_status_t)b)) != 0);
         }
     }
@@ -163,6 +184,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_each_bad_number_is_refused_by_the_name_of_its_field);
     RUN_TEST(test_each_bad_choice_is_refused_by_the_name_of_its_field);
+    RUN_TEST(test_what_just_touches_is_no_impossible_number);
     RUN_TEST(test_refused_scenario_leaves_the_problem_untouched);
     RUN_TEST(test_quaternion_within_a_thousandth_is_normalised);
     RUN_TEST(test_no_heights_means_the_three_rings);

@@ -20,6 +20,7 @@ typedef double real_t;
 #define REAL_MAX DBL_MAX
 #define REAL_EPSILON DBL_EPSILON
 #define REAL_NOISE DBL_EPSILON
+#define REAL_STEP REAL(0)
 
 inline real_t real_mul(real_t a, real_t b) { return a * b; }
 inline real_t real_div(real_t a, real_t b) { return a / b; }

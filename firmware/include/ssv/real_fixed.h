@@ -32,6 +32,7 @@ typedef int64_t real_t;
 #define REAL_MAX ((real_t)1 << 58)
 #define REAL_EPSILON ((real_t)1)
 #define REAL_NOISE ((real_t)1 << 8)
+#define REAL_STEP ((real_t)1)
 
 #ifdef __cplusplus
 extern "C" {

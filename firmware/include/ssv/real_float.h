@@ -20,6 +20,7 @@ typedef float real_t;
 #define REAL_MAX FLT_MAX
 #define REAL_EPSILON FLT_EPSILON
 #define REAL_NOISE FLT_EPSILON
+#define REAL_STEP REAL(0)
 
 inline real_t real_mul(real_t a, real_t b) { return a * b; }
 inline real_t real_div(real_t a, real_t b) { return a / b; }

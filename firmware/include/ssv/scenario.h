@@ -28,19 +28,22 @@ typedef enum {
     SSV_E_RANGE = -2,      ///< outside the range that its field states
     SSV_E_NOT_UNIT = -3,   ///< a quaternion or direction farther than SSV_UNIT_TOLERANCE from unit length
     SSV_E_SINGULAR = -4,   ///< thrusters that cannot hold every force and moment
-    SSV_E_WEIGHTS = -5     ///< both weights zero: every plan would cost nothing
+    SSV_E_WEIGHTS = -5,    ///< both weights zero: every plan would cost nothing
+    SSV_E_IMPOSSIBLE = -6, ///< within its range, but nothing can be so: moments of inertia, or a standoff inside
+    SSV_E_TOO_FINE = -7    ///< so small that the scalar has too few digits of it: ask a planner of another one
 } ssv_status_t;
 
 /// One rigid body, neutrally buoyant. Drag on it is -(drag_lin + drag_quad |v|) v at its centre of mass and
 /// -(drag_lin_ang + drag_quad_ang |w|) w; zero is a valid value. Added mass adds to mass_kg for motion along each body
 /// axis.
 typedef struct {
-    real_t mass_kg;             ///< [kg] [0.01, 10000]
-    vec3_t inertia_kg_m2;       ///< [kg m2] principal, about the body's x, y, z, each [1e-4, 100000]
-    vec3_t added_mass_kg;       ///< [kg] along x, y, z, each [0, 10000]
-    real_t drag_lin_kg_s;       ///< [N/(m/s)] [0, 100000]
-    real_t drag_quad_kg_m;      ///< [N/(m/s)2] [0, 100000]
-    real_t drag_lin_ang_Nm_s;   ///< [N m/(rad/s)] [0, 100000]
+    real_t mass_kg;           ///< [kg] [0.01, 10000]
+    vec3_t inertia_kg_m2;     ///< [kg m2] principal, about the body's x, y, z, each [1e-9, 10000000], none larger than
+                              ///< the others together; of the vehicle in fixed point 1.53e-5 or more
+    vec3_t added_mass_kg;     ///< [kg] along x, y, z, each [0, 10000]
+    real_t drag_lin_kg_s;     ///< [N/(m/s)] [0, 100000]
+    real_t drag_quad_kg_m;    ///< [N/(m/s)2] [0, 100000]
+    real_t drag_lin_ang_Nm_s; ///< [N m/(rad/s)] [0, 100000]
     real_t drag_quad_ang_Nm_s2; ///< [N m/(rad/s)2] [0, 100000]
 } ssv_body_t;
 
@@ -124,7 +127,8 @@ typedef struct {
     vec3_t p_IP_m;            ///< [m] hub port, where the beam's contact point must end, each |x| <= 1000
     vec3_t axis_I;            ///< [-] unit, out of the hub; the docked beam's outward axis points against it
     int contact;              ///< beam contact that docks: 1, 2, or 0 for either
-    real_t standoff_m;        ///< [m] [0.001, 20] vehicle centre to beam axis when mated (paper Eq. 4: R_S + R_B)
+    real_t standoff_m;        ///< [m] [0.001, 20] vehicle centre to beam axis when mated: the sum of the radii (paper
+                              ///< Eq. 4) or more, or that of the hull alone (the paper's tables: the beam is a line)
     real_t weight_time_per_s; ///< [1/s] [0, 1000] W1 of J = W1 T + W2 F (paper Eq. 16); legs are shaped as if >= 0.01 N
                               ///< x W2
     real_t weight_impulse_per_Ns; ///< [1/(N s)] [0, 1000] W2; not both zero
@@ -173,7 +177,7 @@ typedef struct {
     const char* field; ///< path of the field in scenario_t, e.g. "vehicle.thruster[i].n_T_S"; static storage
     int index;         ///< which element where the path has brackets, else -1
     real_t value;      ///< the offending number (for SSV_E_NOT_UNIT the length)
-    real_t min, max;   ///< what would be accepted (SSV_E_RANGE, SSV_E_NOT_UNIT)
+    real_t min, max;   ///< what would be accepted (SSV_E_RANGE, SSV_E_NOT_UNIT, SSV_E_IMPOSSIBLE, SSV_E_TOO_FINE)
     ssv_lack_t lack;   ///< SSV_E_SINGULAR: what the thrusters cannot do; else zero
 } ssv_fault_t;
 

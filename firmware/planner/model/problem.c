@@ -86,13 +86,42 @@ static void check_axis(checker_t* checker, const char* field, vec3_t v, real_t m
 #define CHECK_BODY_FIELD(kind, core, wire, min, max, unit, text) CHECK_##kind(*path++, core, min, max)
 #define PATH(kind, core, wire, min, max, unit, text) #wire,
 
-static void check_body(checker_t* checker, const char* const* path, const ssv_body_t* body) {
+// No principal moment is larger than the other two together. Given ones are rounded.
+#define MOMENTS_TOLERANCE REAL(1e-3)
+
+static void check_moments(checker_t* checker, const char* path, vec3_t moments_kg_m2) {
+    const vec3_t m = moments_kg_m2;
+    const real_t largest = real_max(m.x, real_max(m.y, m.z));
+    if (!checker->ok) return;
+    const real_t others = m.x + m.y + m.z - largest;
+    if (largest > others + real_mul(MOMENTS_TOLERANCE, others) + 2 * REAL_STEP)
+        fail(checker, SSV_E_IMPOSSIBLE, path, largest, REAL(0), others);
+}
+
+// Where the moments stand in SSV_BODY_FIELDS.
+#define MOMENTS 1
+
+static void check_body(checker_t* checker, const char* const* all, const ssv_body_t* body) {
+    const char* const* path = all;
     SSV_BODY_FIELDS(CHECK_BODY_FIELD, (*body))
+    check_moments(checker, all[MOMENTS], body->inertia_kg_m2);
+}
+
+// Turning the vehicle by itself takes thrusts as small as its moments: in a scalar without an exponent these must have
+// digits. Those of the beam are only added to them.
+#define VEHICLE_INERTIA_MIN_KG_M2 ((1 << 16) * REAL_STEP)
+
+static void check_digits(checker_t* checker, const char* path, vec3_t moments_kg_m2) {
+    const vec3_t m = moments_kg_m2;
+    const real_t least = real_min(m.x, real_min(m.y, m.z));
+    if (!checker->ok || !(least < VEHICLE_INERTIA_MIN_KG_M2)) return;
+    fail(checker, SSV_E_TOO_FINE, path, least, VEHICLE_INERTIA_MIN_KG_M2, REAL_MAX);
 }
 
 static void check_vehicle(checker_t* checker, ssv_scenario_t* s) {
     static const char* const path[] = {SSV_BODY_FIELDS(PATH, vehicle.body)};
     check_body(checker, path, &s->vehicle.body);
+    check_digits(checker, path[MOMENTS], s->vehicle.body.inertia_kg_m2);
     SSV_VEHICLE_FIELDS(CHECK_FIELD)
     for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
         checker->index = i;
@@ -107,8 +136,19 @@ static void check_beam(checker_t* checker, ssv_scenario_t* s) {
     SSV_BEAM_FIELDS(CHECK_FIELD)
 }
 
+// The beam's axis may be on the hull, as in the paper's tables, where the beam is a line; else the tube must be
+// outside.
+#define TOUCH REAL(0.99999)
+
+static void check_standoff(checker_t* checker, const ssv_scenario_t* s) {
+    const real_t radii = s->vehicle.radius_m + s->beam.radius_m;
+    if (!checker->ok || s->standoff_m == s->vehicle.radius_m || s->standoff_m >= real_mul(TOUCH, radii)) return;
+    fail(checker, SSV_E_IMPOSSIBLE, "standoff_m", s->standoff_m, radii, REAL(20));
+}
+
 static void check_task(checker_t* checker, ssv_scenario_t* s) {
     SSV_TASK_FIELDS(CHECK_FIELD)
+    check_standoff(checker, s);
     if (checker->ok && !(s->weight_time_per_s > REAL(0)) && !(s->weight_impulse_per_Ns > REAL(0))) {
         fail(checker, SSV_E_WEIGHTS, "weight_time_per_s", REAL(0), REAL(0), REAL(1000));
     }
@@ -232,6 +272,8 @@ const char* ssv_status_str(ssv_status_t status) {
         case SSV_E_NOT_UNIT: return "not of unit length";
         case SSV_E_SINGULAR: return "the thrusters cannot hold every force and moment";
         case SSV_E_WEIGHTS: return "both weights are zero";
+        case SSV_E_IMPOSSIBLE: return "nothing can be so";
+        case SSV_E_TOO_FINE: return "too small for the planner's arithmetic";
     }
     return "unknown status";
 }
