@@ -18,8 +18,7 @@
 ///   REAL_EPSILON, REAL_NOISE  rounding to reckon with in numbers of about 1: of one operation, and after some tens
 ///                             that numbers far from 1 took part in
 ///   REAL_STEP                 the least distance of two numbers, where that does not shrink with them: those smaller
-///   than
-///                             some thousands of it have few digits. 0 in the IEEE scalars
+///                             than some thousands of it have few digits. 0 in the IEEE scalars
 ///   real_from_int             exact for |a| < 2^24
 ///   real_from_double real_to_double real_is_finite
 ///                             the boundary: what comes from or goes to the outside. Rounds to the nearest; NaN and
