@@ -11,11 +11,8 @@ static const struct {
     const char* name;
     int (*run)(int argc, char** argv);
 } commands[] = {
-    {"plan", plan_command},
-    {"quote", quote_command},
-    {"fly", fly_command},
-    {"scenario", scenario_command},
-    {"schedule", schedule_command},
+    {"plan", plan_command},         {"quote", quote_command},       {"fly", fly_command},
+    {"scenario", scenario_command}, {"schedule", schedule_command},
 };
 
 static const char doc[] =
@@ -42,7 +39,9 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
             state->next = state->argc; // the rest is the command's
             (void)argument;
             return 0;
-        case ARGP_KEY_NO_ARGS: argp_error(state, "which command? There are: plan, quote, fly, scenario, schedule"); return 0;
+        case ARGP_KEY_NO_ARGS:
+            argp_error(state, "which command? There are: plan, quote, fly, scenario, schedule");
+            return 0;
         default: return ARGP_ERR_UNKNOWN;
     }
 }

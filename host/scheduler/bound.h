@@ -10,7 +10,8 @@
 #ifndef SSV_SCHEDULER_BOUND_H
 #define SSV_SCHEDULER_BOUND_H
 
-#include "assembly.h"
+#include "prices.h"
+#include "structure.h"
 
 typedef struct bound bound_t;
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scenario_file.h"
+#include "cli/scenario_file.h"
 #include "wire/tree.h"
 
 #define LENGTH(array) ((int)(sizeof(array) / sizeof(array)[0]))
