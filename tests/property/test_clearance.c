@@ -24,7 +24,7 @@ void setUp(void) {}
 void tearDown(void) {}
 
 typedef struct {
-    bool found, named;
+    bool found, named, overflowed;
     double nearest_m, certified_m, seen_m, named_m, ratio;
 } kept_t;
 
@@ -46,7 +46,9 @@ static void plan_one(int k, void* result) {
     if (ssv_problem_init(&problem, &s, &fault) != SSV_OK) return;
     kept->found = ssv_plan(&problem, &work, &plan) == SSV_OK;
     if (!kept->found) {
-        kept->named = plan.quote.status == SSV_INFEASIBLE;
+        // An honest answer of a planner in fixed point, which for another scalar to solve.
+        kept->overflowed = plan.quote.status == SSV_NUMERIC_OVERFLOW && strcmp(REAL_NAME, "double") != 0;
+        kept->named = plan.quote.status == SSV_INFEASIBLE || kept->overflowed;
         for (int c = 0; c < plan.quote.num_candidates; c++) {
             const ssv_candidate_t* candidate = &plan.quote.candidate[c];
             kept->named = kept->named && candidate->outcome >= SSV_NO_WAY && candidate->clearance_m < s.margin_m;
@@ -73,7 +75,7 @@ static int fewest(int count) { return kind < SCENE_STREWN ? count : count - (cou
 // Every plan is judged. @return how many were found.
 static int judge(int count) {
     static double ratio[MAX_CASES];
-    int found = 0;
+    int found = 0, overflowed = 0;
     double least = INFINITY, sum = 0;
     const kept_t* all = sweep(names[kind], count, sizeof *all, plan_one);
     TEST_ASSERT_NOT_NULL(all);
@@ -83,6 +85,7 @@ static int judge(int count) {
                        names[kind], k, kept->nearest_m, kept->certified_m, kept->seen_m, kept->named_m);
         if (!kept->found) {
             TEST_ASSERT_TRUE_MESSAGE(kept->named, label);
+            overflowed += kept->overflowed;
             continue;
         }
         TEST_ASSERT_TRUE_MESSAGE(kept->certified_m >= MARGIN_M - ROUNDING_M, label);
@@ -99,6 +102,7 @@ static int judge(int count) {
         printf("; J over that in free space: mean %.4f, 90 %% below %.3f", sum / found,
                sweep_quantile(ratio, found, 0.9));
     }
+    if (overflowed > 0) printf("; %d overflowed", overflowed);
     printf("\n");
     return found;
 }
@@ -133,13 +137,15 @@ static void test_more_effort_never_costs_more(void) {
         sample_seed(SEED + 8000000u + (uint64_t)k);
         ssv_scenario_t s = scene_task(SCENE_WALLS, &scene);
         double cost[2];
-        bool found[2];
+        bool found[2], overflowed = false;
         for (int more = 0; more < 2; more++) {
             s.effort = (ssv_effort_t)more;
             TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &s, &fault));
             found[more] = ssv_plan(&problem, &work, &plan) == SSV_OK;
             cost[more] = real_to_double(plan.quote.cost);
+            overflowed = overflowed || plan.quote.status == SSV_NUMERIC_OVERFLOW;
         }
+        if (overflowed && strcmp(REAL_NAME, "double") != 0) continue;
         (void)snprintf(label, sizeof label, "case %d", k);
         TEST_ASSERT_TRUE_MESSAGE(found[1] || !found[0], label);
         if (found[0]) TEST_ASSERT_TRUE_MESSAGE(cost[1] <= cost[0], label);
