@@ -294,20 +294,20 @@ typedef struct {
     bool is_open; ///< without an answer yet
 } batch_t;
 
-typedef struct {
+#define BATCHES_MAX (LINE_PLANNERS_MAX + 1)
+
+typedef struct ask_prices {
     line_t line;
     const lcm_ssv_task_t* tasks;
     lcm_ssv_scenario_t* scenarios; ///< theirs, one after the other
     int count, dealt, priced;
     lcm_ssv_quote_t* quotes;
-    int64_t epoch_us;  ///< the same for all, since the newest wins
-    batch_t* batch;    ///< room for one of each planner, and the one without a planner
-    double progress_s; ///< when the last right answer came
+    int64_t epoch_us;           ///< the same for all, since the newest wins
+    batch_t batch[BATCHES_MAX]; ///< one of each planner, and the one without a planner
+    double progress_s;          ///< when the last right answer came
     void (*progress)(int priced, int count, void* context);
     void* context;
 } deal_t;
-
-#define BATCHES_MAX (LINE_PLANNERS_MAX + 1)
 
 static void quotes_received(const lcm_recv_buf_t* datagram, const char* channel, void* context) {
     (void)channel;
@@ -483,38 +483,63 @@ static bool exchange_quotes(deal_t* deal, char* error, size_t error_size) {
     return true;
 }
 
-bool ask_quotes(const ask_target_t* target, const lcm_ssv_task_t* tasks, int count, lcm_ssv_quote_t* quotes,
-                void (*progress)(int priced, int count, void* context), void* context, char* error, size_t error_size) {
-    static batch_t batches[BATCHES_MAX];
+ask_prices_t* ask_prices_open(const ask_target_t* target, char* error, size_t error_size) {
     lcm_ssv_asker_t asker;
-    memset(batches, 0, sizeof batches);
+    ask_prices_t* const deal = calloc(1, sizeof *deal);
+    if (deal == NULL) {
+        snprintf(error, error_size, "out of memory");
+        return NULL;
+    }
+    deal->line = line_to(target, CHANNEL_QUOTES);
+    if (ask_stamp(&asker, error, error_size) && line_open(&deal->line, quotes_received, deal, error, error_size)) {
+        deal->epoch_us = asker.epoch_us;
+        return deal;
+    }
+    free(deal);
+    return NULL;
+}
+
+/// Nothing is under way: what is open from an exchange that failed is nobody's.
+static void start_over(deal_t* deal) {
+    memset(deal->batch, 0, sizeof deal->batch);
+    for (int i = 0; i < deal->line.num_heard; i++) deal->line.heard[i].batch = -1;
+    deal->dealt = deal->priced = 0;
+}
+
+bool ask_prices(ask_prices_t* deal, const lcm_ssv_task_t* tasks, int count, lcm_ssv_quote_t* quotes,
+                void (*progress)(int priced, int count, void* context), void* context, char* error, size_t error_size) {
     memset(quotes, 0, (size_t)count * sizeof *quotes);
-    deal_t deal = {.line = line_to(target, CHANNEL_QUOTES),
-                   .tasks = tasks,
-                   .scenarios = calloc((size_t)count, sizeof *deal.scenarios),
-                   .count = count,
-                   .quotes = quotes,
-                   .batch = batches,
-                   .progress = progress,
-                   .context = context};
-    if (deal.scenarios == NULL) {
+    start_over(deal);
+    deal->tasks = tasks;
+    deal->scenarios = calloc((size_t)count, sizeof *deal->scenarios);
+    deal->count = count;
+    deal->quotes = quotes;
+    deal->progress = progress;
+    deal->context = context;
+    if (deal->scenarios == NULL) {
         snprintf(error, error_size, "out of memory");
         return false;
     }
     for (int i = 0; i < count; i++) {
-        deal.scenarios[i] = tasks[i].scenario;
-        deal.scenarios[i].asker = (lcm_ssv_asker_t){0};
+        deal->scenarios[i] = tasks[i].scenario;
+        deal->scenarios[i].asker = (lcm_ssv_asker_t){0};
     }
-    bool answered = ask_stamp(&asker, error, error_size);
-    if (answered) {
-        deal.epoch_us = asker.epoch_us;
-        answered = line_open(&deal.line, quotes_received, &deal, error, error_size);
-    }
-    if (answered) {
-        answered = exchange_quotes(&deal, error, error_size);
-        line_close(&deal.line);
-    }
+    const bool answered = exchange_quotes(deal, error, error_size);
     for (int i = 0; i < count && !answered; i++) wire_clear("quote_t", &quotes[i]);
-    free(deal.scenarios);
+    free(deal->scenarios);
+    return answered;
+}
+
+void ask_prices_close(ask_prices_t* deal) {
+    if (deal == NULL) return;
+    line_close(&deal->line);
+    free(deal);
+}
+
+bool ask_quotes(const ask_target_t* target, const lcm_ssv_task_t* tasks, int count, lcm_ssv_quote_t* quotes,
+                void (*progress)(int priced, int count, void* context), void* context, char* error, size_t error_size) {
+    ask_prices_t* const deal = ask_prices_open(target, error, error_size);
+    const bool answered = deal != NULL && ask_prices(deal, tasks, count, quotes, progress, context, error, error_size);
+    ask_prices_close(deal);
     return answered;
 }

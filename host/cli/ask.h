@@ -57,13 +57,25 @@ typedef struct {
 bool ask_flight(const ask_target_t* target, const ask_flight_t* flight, lcm_ssv_task_t* question,
                 lcm_ssv_plan_t* answer, lcm_ssv_execution_t* end, char* error, size_t error_size);
 
-/// Likewise the prices of any number of tasks (their own asker means nothing), in batches of at most SSV_MAX_BATCH that
+/// A connection for prices, which knows the planners that it has heard.
+typedef struct ask_prices ask_prices_t;
+
+/// @return NULL with a sentence in `error`.
+ask_prices_t* ask_prices_open(const ask_target_t* target, char* error, size_t error_size);
+
+/// Asks for the prices of any number of tasks (their own asker means nothing), in batches of at most SSV_MAX_BATCH that
 /// have the same scene.
 /// What fits one batch goes to whoever is there. More is dealt to the planners that are heard, one batch at a time
 /// each; a planner that falls silent, or does not answer for long, loses its batch to another. Where none is heard,
 /// whoever hears the batch answers it.
 /// @param quotes    one for each scenario, in their order, written only on success; freed with wire_clear each.
 /// @param progress  called after each answer with how many scenarios have their price; may be NULL.
+bool ask_prices(ask_prices_t* prices, const lcm_ssv_task_t* tasks, int count, lcm_ssv_quote_t* quotes,
+                void (*progress)(int priced, int count, void* context), void* context, char* error, size_t error_size);
+
+void ask_prices_close(ask_prices_t* prices);
+
+/// The same for who asks once.
 bool ask_quotes(const ask_target_t* target, const lcm_ssv_task_t* tasks, int count, lcm_ssv_quote_t* quotes,
                 void (*progress)(int priced, int count, void* context), void* context, char* error, size_t error_size);
 

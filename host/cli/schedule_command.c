@@ -8,11 +8,12 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "ask.h"
 #include "commands.h"
 #include "output.h"
 #include "scheduler/assembly.h"
 #include "scheduler/pricing.h"
-#include "ssv/planner.h"
+#include "ssv/answer.h"
 #include "task_options.h"
 #include "wire/message.h"
 
@@ -23,9 +24,11 @@ static const char doc[] =
     "  ssv schedule host/structures/ease.yaml\n"
     "  ssv schedule ease.yaml --weights 1,0     time alone counts\n"
     "  ssv schedule ease.yaml --time-limit 10   the best that is found in 10 s\n"
+    "  ssv schedule ease.yaml --lcm             running planners find the prices\n"
     "  ssv schedule ease.yaml --format json --output schedule.json\n"
     "\n"
-    "Every part is priced by the planner, in process and on all cores, with what stands then as obstacles. The table "
+    "Every part is priced by the planner, in process and on all cores or over LCM, with what stands then as obstacles. "
+    "The table "
     "says whether the schedule is proved optimal, that is to say that no other order or choice of beams costs less by "
     "the planner's prices; and what taking the cheapest part each time would cost. host/FORMATS.md tells of structure "
     "files.\n"
@@ -36,14 +39,19 @@ static const char doc[] =
     "      wrong, or it does not close; the message names the place\n"
     "   3  the structure is sound, but there is no schedule, or none was found in\n"
     "      time\n"
+    "   4  nobody answered over LCM, or not in this program's scalar, or LCM does\n"
+    "      not work here\n"
     "  64  wrong arguments\n"
     "   1  anything else, e.g. FILE cannot be written\n";
 
-enum { KEY_WEIGHTS = 256, KEY_TIME_LIMIT, KEY_FORMAT, KEY_OUTPUT };
+enum { KEY_WEIGHTS = 256, KEY_TIME_LIMIT, KEY_LCM, KEY_TIMEOUT, KEY_FORMAT, KEY_OUTPUT };
 
 static const struct argp_option options_table[] = {
     {"weights", KEY_WEIGHTS, "W1,W2", 0, "Weights of time [1/s] and impulse [1/(N s)] instead of the file's", 0},
     {"time-limit", KEY_TIME_LIMIT, "S", 0, "Stop after so long with the best schedule found (default: none)", 0},
+    {"lcm", KEY_LCM, "URL", OPTION_ARG_OPTIONAL,
+     "Have all ssv-plannerd that are heard over LCM price the parts, instead of this program", 0},
+    {"timeout", KEY_TIMEOUT, "S", 0, "How long to wait for an answer over LCM (default: 10)", 0},
     {"format", KEY_FORMAT, "table|json", 0, "For people (default) or for programs", 0},
     {"output", KEY_OUTPUT, "FILE", 0, "Write there instead of to standard output, which is -", 0},
     {0},
@@ -51,8 +59,9 @@ static const struct argp_option options_table[] = {
 
 typedef struct {
     const char *path, *output_path;
-    double weights[2], time_limit_s;
-    bool weights_given, as_json;
+    const char* lcm_url;
+    double weights[2], time_limit_s, timeout_s;
+    bool weights_given, as_json, over_lcm;
 } arguments_t;
 
 static bool parse_weights(const char* argument, double weights[2]) {
@@ -75,6 +84,19 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
             if (!tree_number(argument, &arguments->time_limit_s) ||
                 !(arguments->time_limit_s > 0 && arguments->time_limit_s <= 1e6)) {
                 argp_error(state, "--time-limit %s: not a number of seconds in (0, 1e6]", argument);
+            }
+            return 0;
+        case KEY_LCM:
+            arguments->over_lcm = true;
+            arguments->lcm_url = argument;
+            if (argument == NULL && state->next < state->argc && strstr(state->argv[state->next], "://") != NULL) {
+                arguments->lcm_url = state->argv[state->next++]; // argp leaves "--lcm URL" without a "=" to us
+            }
+            return 0;
+        case KEY_TIMEOUT:
+            if (!tree_number(argument, &arguments->timeout_s) ||
+                !(arguments->timeout_s > 0 && arguments->timeout_s <= 1e6)) {
+                argp_error(state, "--timeout %s: not a number of seconds in (0, 1e6]", argument);
             }
             return 0;
         case KEY_FORMAT:
@@ -145,6 +167,7 @@ typedef struct {
 
 typedef struct {
     const char* shown;
+    const char* error; ///< why prices could not be had over LCM, if so
     const structure_t* structure;
     const assembly_result_t* result;
     pricing_counts_t counts;
@@ -156,15 +179,20 @@ typedef struct {
 static bool plan_parts(const pricing_t* pricing, report_t* report) {
     static ssv_plan_t plan;
     static ssv_work_t work;
+    static ssv_scene_t scene;
     const assembly_schedule_t* const schedule = &report->result->best;
+    ssv_scene_from_wire(&scene, pricing_scene(pricing));
     for (int i = 0; i < schedule->num_parts; i++) {
-        const ssv_scenario_t scenario = pricing_scenario(pricing, &schedule->part[i].question);
+        const lcm_ssv_scenario_t wire = pricing_scenario(pricing, &schedule->part[i].question);
         flight_t* const flight = &report->flight[i];
+        ssv_scenario_t scenario;
         ssv_problem_t problem;
         ssv_fault_t fault;
+        ssv_scenario_from_wire(&scenario, &wire, &scene);
         if (ssv_problem_init(&problem, &scenario, &fault) != SSV_OK || ssv_plan(&problem, &work, &plan) != SSV_OK ||
             real_to_double(plan.quote.cost) != schedule->part[i].price.cost) {
-            fprintf(stderr, "ssv: part %d has a price, but its plan does not fit the planner's memory\n", i + 1);
+            fprintf(stderr, "ssv: part %d is priced at %.9g, but its plan says otherwise\n", i + 1,
+                    schedule->part[i].price.cost);
             return false;
         }
         *flight = (flight_t){.attach_height_m = real_to_double(plan.quote.choice.attach_height_m),
@@ -249,13 +277,15 @@ static bool report_table(FILE* out, const void* content) {
             fprintf(out, "%9s\n", "-");
         }
     }
+    char from[32] = "over LCM";
+    if (report->counts.threads > 0) snprintf(from, sizeof from, "on %d threads", report->counts.threads);
     fprintf(out, "\nassemble-structure\n");
     tree_lines(out, report);
     fprintf(out,
-            "\n  %" PRIu64 " prices on %d threads, %" PRIu64 " known already; %d poses, %" PRIu64 " states, %" PRIu64
+            "\n  %" PRIu64 " prices %s, %" PRIu64 " known already; %d poses, %" PRIu64 " states, %" PRIu64
             " nodes\n  first schedule after %.1f s, all after %.1f s\n",
-            report->counts.asked, report->counts.threads, report->counts.known, report->counts.poses,
-            report->result->states, report->result->nodes, report->first_s, report->wall_s);
+            report->counts.asked, from, report->counts.known, report->counts.poses, report->result->states,
+            report->result->nodes, report->first_s, report->wall_s);
     return true;
 }
 
@@ -303,12 +333,15 @@ static bool report_json(FILE* out, const void* content) {
 // ---- The command ----------------------------------------------------------------------------------------------------
 
 /// Whether the planner takes the structure's numbers, as far as they are the same for every part.
-static bool check_task(const pricing_t* pricing, const structure_t* structure, const char* shown) {
+static bool check_task(const pricing_t* pricing, const char* shown) {
+    static ssv_scene_t scene;
     const assembly_question_t first = {.left = -1};
-    const ssv_scenario_t scenario = pricing_scenario(pricing, &first);
+    const lcm_ssv_scenario_t wire = pricing_scenario(pricing, &first);
+    ssv_scenario_t scenario;
     ssv_problem_t problem;
     ssv_fault_t fault;
-    (void)structure;
+    ssv_scene_from_wire(&scene, pricing_scene(pricing));
+    ssv_scenario_from_wire(&scenario, &wire, &scene);
     if (ssv_problem_init(&problem, &scenario, &fault) == SSV_OK) return true;
     fprintf(stderr, "ssv: %s: %s: %.9g: %s\n", shown, fault.field, real_to_double(fault.value),
             ssv_status_str(fault.status));
@@ -318,8 +351,8 @@ static bool check_task(const pricing_t* pricing, const structure_t* structure, c
 static int conclude(const arguments_t* arguments, const pricing_t* pricing, report_t* report) {
     const assembly_result_t* const result = report->result;
     if (result->asked_in_vain) {
-        fprintf(stderr, "ssv: out of memory\n");
-        return EXIT_FAILED;
+        fprintf(stderr, "ssv: %s\n", report->error[0] != '\0' ? report->error : "out of memory");
+        return report->error[0] != '\0' ? EXIT_NO_ANSWER : EXIT_FAILED;
     }
     if (result->best.num_parts == 0) {
         fprintf(stderr, "ssv: %s: %s\n", report->shown,
@@ -332,23 +365,48 @@ static int conclude(const arguments_t* arguments, const pricing_t* pricing, repo
                                                                                                           : EXIT_FAILED;
 }
 
+/// Prices over LCM.
+typedef struct {
+    ask_prices_t* line;
+    char error[1024];
+} remote_t;
+
+static bool ask_remote(void* context, const lcm_ssv_task_t* tasks, int count, lcm_ssv_quote_t* quotes) {
+    remote_t* const remote = context;
+    return ask_prices(remote->line, tasks, count, quotes, NULL, NULL, remote->error, sizeof remote->error);
+}
+
 static int schedule(const arguments_t* arguments, const structure_t* structure, const char* shown) {
     assembly_result_t result;
-    pricing_t* const pricing = pricing_open(structure, 0);
+    remote_t remote = {.line = NULL};
+    if (arguments->over_lcm) {
+        // The parts are planned here in the end, which must cost the same.
+        const ask_target_t target = {arguments->lcm_url, ssv_scalar, arguments->timeout_s};
+        remote.line = ask_prices_open(&target, remote.error, sizeof remote.error);
+        if (remote.line == NULL) {
+            fprintf(stderr, "ssv: %s\n", remote.error);
+            return EXIT_NO_ANSWER;
+        }
+    }
+    pricing_t* const pricing =
+        arguments->over_lcm ? pricing_open_elsewhere(structure, ask_remote, &remote) : pricing_open(structure, 0);
     watch_t watch = {.pricing = pricing, .begun_s = now_s(), .best = INFINITY, .on_terminal = isatty(STDERR_FILENO)};
     const assembly_prices_t prices = {pricing_ask, pricing};
     const assembly_limits_t limits = {clock_s, arguments->time_limit_s, found, &watch};
     if (pricing == NULL) {
         fprintf(stderr, "ssv: out of memory\n");
+        ask_prices_close(remote.line);
         return EXIT_FAILED;
     }
-    if (!check_task(pricing, structure, shown)) {
+    if (!check_task(pricing, shown)) {
         pricing_close(pricing);
+        ask_prices_close(remote.line);
         return EXIT_INVALID;
     }
     const bool sound = assembly_schedule(structure, &prices, &limits, &result);
     if (watch.on_terminal) fprintf(stderr, "\r%*s\r", 78, "");
     report_t report = {.shown = shown,
+                       .error = remote.error,
                        .structure = structure,
                        .result = &result,
                        .counts = pricing_counts(pricing),
@@ -357,6 +415,7 @@ static int schedule(const arguments_t* arguments, const structure_t* structure, 
     if (!sound) fprintf(stderr, "ssv: out of memory\n");
     const int code = sound ? conclude(arguments, pricing, &report) : EXIT_FAILED;
     pricing_close(pricing);
+    ask_prices_close(remote.line);
     return code;
 }
 
@@ -364,7 +423,7 @@ int schedule_command(int argc, char** argv) {
     static const struct argp parser = {
         .options = options_table, .parser = parse_option, .args_doc = "STRUCTURE", .doc = doc};
     static structure_t structure;
-    arguments_t arguments = {0};
+    arguments_t arguments = {.timeout_s = 10};
     char name[] = "ssv schedule", error[1024], shown[256];
     argv[0] = name;
     argp_parse(&parser, argc, argv, 0, NULL, &arguments);

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "ssv/answer.h"
+#include "wire/message.h"
 
 #define THREADS_MAX 64
 
@@ -41,8 +42,8 @@ typedef struct {
 
 struct pricing {
     const structure_t* structure;
-    ssv_scenario_t task;
-    ssv_scene_t scene;
+    lcm_ssv_scene_t wire_scene;
+    ssv_scene_t scene; ///< the same
     pose_steps_t* poses;
     int num_poses, room_poses;
     entry_t* entries;
@@ -50,7 +51,9 @@ struct pricing {
     work_t* works;
     int num_works, room_works;
     pricing_counts_t counts;
-    int num_threads;
+    bool (*ask)(void* context, const lcm_ssv_task_t* tasks, int count, lcm_ssv_quote_t* quotes); ///< NULL: in process
+    void* context;
+    int num_threads; ///< beside this one
     pthread_t thread[THREADS_MAX];
     pthread_mutex_t lock;
     pthread_cond_t begun, ended;
@@ -71,25 +74,6 @@ static pose_steps_t steps_of(const double p[3], const double q[4]) {
     return steps;
 }
 
-static pose_steps_t steps_of_pose(pose_t X) {
-    const double p[3] = {real_to_double(X.p.x), real_to_double(X.p.y), real_to_double(X.p.z)};
-    const double q[4] = {real_to_double(X.q.w), real_to_double(X.q.x), real_to_double(X.q.y), real_to_double(X.q.z)};
-    return steps_of(p, q);
-}
-
-static real_t real_of_steps(int64_t steps) { return real_from_double((double)steps / PRICING_STEPS); }
-
-static vec3_t vec3_of(const double v[3]) {
-    return vec3(real_from_double(v[0]), real_from_double(v[1]), real_from_double(v[2]));
-}
-
-static pose_t pose_of_steps(const pose_steps_t* steps) {
-    const int64_t* const n = steps->step;
-    const pose_t X = {vec3(real_of_steps(n[0]), real_of_steps(n[1]), real_of_steps(n[2])),
-                      {real_of_steps(n[3]), real_of_steps(n[4]), real_of_steps(n[5]), real_of_steps(n[6])}};
-    return X;
-}
-
 /// The pose's number; it gets the next one if it is new. @return -1 if out of memory.
 static int number_of(pricing_t* pricing, const pose_steps_t* steps) {
     for (int i = 0; i < pricing->num_poses; i++) {
@@ -108,61 +92,94 @@ static int number_of(pricing_t* pricing, const pose_steps_t* steps) {
 
 // ---- Questions ------------------------------------------------------------------------------------------------------
 
-ssv_scenario_t pricing_scenario(const pricing_t* pricing, const assembly_question_t* question) {
+lcm_ssv_scenario_t pricing_scenario(const pricing_t* pricing, const assembly_question_t* question) {
     const structure_t* const structure = pricing->structure;
     const structure_beam_t* const beam = &structure->beam[question->beam];
     const structure_slot_t* const slot = &structure->slot[question->slot];
     const structure_port_t* const port = &structure->hub[slot->hub[0]].port[slot->port[0]];
-    ssv_scenario_t s = pricing->task;
-    s.X_IS = pose_of_steps(&pricing->poses[question->pose]);
-    s.X_IB = (pose_t){vec3_of(beam->p_IB_m),
-                      {real_from_double(beam->q_IB[0]), real_from_double(beam->q_IB[1]),
-                       real_from_double(beam->q_IB[2]), real_from_double(beam->q_IB[3])}};
-    s.p_IP_m = vec3_of(port->p_IP_m);
-    s.axis_I = vec3_of(port->axis_I);
+    const int64_t* const step = pricing->poses[question->pose].step;
+    lcm_ssv_scenario_t s = structure->task;
+    for (int i = 0; i < 3; i++) s.X_IS.p_m[i] = (double)step[i] / PRICING_STEPS;
+    for (int i = 0; i < 4; i++) s.X_IS.q[i] = (double)step[3 + i] / PRICING_STEPS;
+    memcpy(s.X_IB.p_m, beam->p_IB_m, sizeof s.X_IB.p_m);
+    memcpy(s.X_IB.q, beam->q_IB, sizeof s.X_IB.q);
+    memcpy(s.port.p_IP_m, port->p_IP_m, sizeof s.port.p_IP_m);
+    memcpy(s.port.axis_I, port->axis_I, sizeof s.port.axis_I);
     if (structure->obstacles) {
         const int num_hubs = structure->num_hubs;
-        s.scene = &pricing->scene;
-        s.obstacles = ((UINT64_C(1) << num_hubs) - 1) | question->built << num_hubs;
-        s.left = question->left < 0 ? 0 : UINT64_C(1) << (num_hubs + question->left);
+        s.obstacles = (int64_t)(((UINT64_C(1) << num_hubs) - 1) | question->built << num_hubs);
+        s.left = question->left < 0 ? 0 : (int64_t)(UINT64_C(1) << (num_hubs + question->left));
     }
     return s;
 }
 
 static void make_scene(pricing_t* pricing) {
     const structure_t* const structure = pricing->structure;
-    ssv_scene_t* const scene = &pricing->scene;
-    for (int h = 0; h < structure->num_hubs; h++) {
-        scene->obstacle[scene->num_obstacles++] = (ssv_obstacle_t){
-            .kind = SSV_CAPSULE,
-            .p_I_m = vec3_of(structure->hub[h].p_IH_m),
-            .radius_m = real_from_double(structure->hub[h].radius_m),
-        };
+    lcm_ssv_scene_t* const scene = &pricing->wire_scene;
+    for (int h = 0; h < structure->num_hubs && structure->obstacles; h++) {
+        lcm_ssv_obstacle_t* const hub = &scene->obstacles[scene->num_obstacles++];
+        hub->kind = LCM_SSV_OBSTACLE_T_KIND_CAPSULE;
+        memcpy(hub->p_I_m, structure->hub[h].p_IH_m, sizeof hub->p_I_m);
+        hub->radius_m = structure->hub[h].radius_m;
     }
-    for (int i = 0; i < structure->num_slots; i++) {
+    for (int i = 0; i < structure->num_slots && structure->obstacles; i++) {
         const structure_slot_t* const slot = &structure->slot[i];
         const structure_port_t* const port = &structure->hub[slot->hub[0]].port[slot->port[0]];
-        scene->obstacle[scene->num_obstacles++] =
-            (ssv_obstacle_t){.kind = SSV_CAPSULE,
-                             .p_I_m = vec3_of(port->p_IP_m),
-                             .axis_I = vec3_of(port->axis_I),
-                             .length_m = real_from_double(structure->task.beam.length_m),
-                             .radius_m = real_from_double(structure->task.beam.radius_m)};
+        lcm_ssv_obstacle_t* const beam = &scene->obstacles[scene->num_obstacles++];
+        beam->kind = LCM_SSV_OBSTACLE_T_KIND_CAPSULE;
+        memcpy(beam->p_I_m, port->p_IP_m, sizeof beam->p_I_m);
+        memcpy(beam->axis_I, port->axis_I, sizeof beam->axis_I);
+        beam->length_m = structure->task.beam.length_m;
+        beam->radius_m = structure->task.beam.radius_m;
     }
+    ssv_scene_from_wire(&pricing->scene, scene);
 }
 
+const lcm_ssv_scene_t* pricing_scene(const pricing_t* pricing) { return &pricing->wire_scene; }
+
 static void price(const pricing_t* pricing, ssv_work_t* memory, work_t* work) {
-    const ssv_scenario_t scenario = pricing_scenario(pricing, &work->question);
+    const lcm_ssv_scenario_t wire = pricing_scenario(pricing, &work->question);
+    ssv_scenario_t scenario;
     ssv_problem_t problem;
     ssv_fault_t fault;
     ssv_quote_t quote;
+    ssv_scenario_from_wire(&scenario, &wire, &pricing->scene);
     work->feasible =
         ssv_problem_init(&problem, &scenario, &fault) == SSV_OK && ssv_quote(&problem, memory, &quote) == SSV_OK;
     if (!work->feasible) return;
     work->cost = real_to_double(quote.cost);
     work->time_s = real_to_double(quote.time_s);
     work->impulse_Ns = real_to_double(quote.impulse_Ns);
-    work->end = steps_of_pose(quote.X_IS_final);
+    const pose_t X = quote.X_IS_final;
+    const double p_m[3] = {real_to_double(X.p.x), real_to_double(X.p.y), real_to_double(X.p.z)};
+    const double q[4] = {real_to_double(X.q.w), real_to_double(X.q.x), real_to_double(X.q.y), real_to_double(X.q.z)};
+    work->end = steps_of(p_m, q);
+}
+
+/// Has it all priced elsewhere.
+static bool price_elsewhere(pricing_t* pricing) {
+    const size_t count = (size_t)pricing->num_works;
+    lcm_ssv_task_t* const tasks = calloc(count, sizeof *tasks);
+    lcm_ssv_quote_t* const quotes = calloc(count, sizeof *quotes);
+    bool sound = tasks != NULL && quotes != NULL;
+    for (size_t i = 0; i < count && sound; i++) {
+        tasks[i].scenario = pricing_scenario(pricing, &pricing->works[i].question);
+        tasks[i].scene = pricing->wire_scene;
+    }
+    sound = sound && pricing->ask(pricing->context, tasks, (int)count, quotes);
+    for (size_t i = 0; i < count && sound; i++) {
+        const lcm_ssv_quote_t* const quote = &quotes[i];
+        work_t* const work = &pricing->works[i];
+        work->feasible = quote->status == LCM_SSV_QUOTE_T_STATUS_OK;
+        work->cost = quote->cost;
+        work->time_s = quote->time_s;
+        work->impulse_Ns = quote->impulse_Ns;
+        work->end = steps_of(quote->X_IS_final.p_m, quote->X_IS_final.q);
+        wire_clear("quote_t", &quotes[i]);
+    }
+    free(tasks);
+    free(quotes);
+    return sound;
 }
 
 /// Takes work until there is none.
@@ -259,7 +276,8 @@ bool pricing_ask(void* context, const assembly_question_t* questions, int count,
             pricing->works[pricing->num_works++] = (work_t){.question = questions[i], .at = i};
         }
     }
-    if (pricing->num_works > 0) price_together(pricing);
+    if (pricing->num_works > 0 && pricing->ask != NULL && !price_elsewhere(pricing)) return false;
+    if (pricing->num_works > 0 && pricing->ask == NULL) price_together(pricing);
     for (int k = 0; k < pricing->num_works; k++) {
         const work_t* const work = &pricing->works[k];
         const key_t key = key_of(&work->question);
@@ -277,7 +295,7 @@ bool pricing_ask(void* context, const assembly_question_t* questions, int count,
 pricing_counts_t pricing_counts(const pricing_t* pricing) {
     pricing_counts_t counts = pricing->counts;
     counts.poses = pricing->num_poses;
-    counts.threads = pricing->num_threads + 1;
+    counts.threads = pricing->ask != NULL ? 0 : pricing->num_threads + 1;
     return counts;
 }
 
@@ -287,11 +305,6 @@ pricing_t* pricing_open(const structure_t* structure, int threads) {
     pricing_t* const pricing = calloc(1, sizeof *pricing);
     if (pricing == NULL) return NULL;
     pricing->structure = structure;
-    ssv_scenario_from_wire(&pricing->task, &structure->task, NULL);
-    pricing->task.margin_m = real_from_double(structure->margin_m);
-    pricing->task.approach_mate_m = real_from_double(structure->approach_mate_m);
-    pricing->task.approach_dock_m = real_from_double(structure->approach_dock_m);
-    pricing->task.contact_speed_max_m_s = real_from_double(structure->contact_speed_max_m_s);
     make_scene(pricing);
     pthread_mutex_init(&pricing->lock, NULL);
     pthread_cond_init(&pricing->begun, NULL);
@@ -308,6 +321,17 @@ pricing_t* pricing_open(const structure_t* structure, int threads) {
         pricing_close(pricing);
         return NULL;
     }
+    return pricing;
+}
+
+pricing_t* pricing_open_elsewhere(const structure_t* structure,
+                                  bool (*ask)(void* context, const lcm_ssv_task_t* tasks, int count,
+                                              lcm_ssv_quote_t* quotes),
+                                  void* context) {
+    pricing_t* const pricing = pricing_open(structure, 1);
+    if (pricing == NULL) return NULL;
+    pricing->ask = ask;
+    pricing->context = context;
     return pricing;
 }
 

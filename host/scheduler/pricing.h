@@ -1,10 +1,12 @@
-/// Prices in process, on all cores, each asked for once. A price is that of the plan that is flown: the scenario of a
-/// question starts at the very pose that the price before ended with, rounded.
+/// Prices in process, on all cores, or of whoever else answers for the planner; each asked for once. A price is that of
+/// the plan that is flown: the scenario of a question starts at the very pose that the price before ended with,
+/// rounded.
 #ifndef SSV_SCHEDULER_PRICING_H
 #define SSV_SCHEDULER_PRICING_H
 
 #include "assembly.h"
-#include "ssv/planner.h"
+#include "lcm_ssv_quote_t.h"
+#include "lcm_ssv_task_t.h"
 
 /// Steps that a pose is rounded to, per metre and per unit of its quaternion, of which the first number that is not
 /// zero is made positive. So plans that end the same but for rounding start the next ones the same.
@@ -15,18 +17,26 @@ typedef struct pricing pricing_t;
 /// How often the planner was asked, and how often it was known already.
 typedef struct {
     uint64_t asked, known;
-    int poses, threads;
+    int poses, threads; ///< no thread: prices come from elsewhere
 } pricing_counts_t;
 
 /// @param threads  0 = one for each core. @return NULL if there is no memory or no thread to be had.
 pricing_t* pricing_open(const structure_t* structure, int threads);
 
+/// Prices from elsewhere: `ask` has so many tasks priced together and writes a quote_t for each, which is freed with
+/// wire_clear. @return as of pricing_open.
+pricing_t* pricing_open_elsewhere(const structure_t* structure,
+                                  bool (*ask)(void* context, const lcm_ssv_task_t* tasks, int count,
+                                              lcm_ssv_quote_t* quotes),
+                                  void* context);
+
 /// Answers questions, those that are new side by side. Poses that are new get the next numbers in the order of the
 /// questions, however many threads there are. The context of assembly_prices_t is the pricing.
 bool pricing_ask(void* pricing, const assembly_question_t* questions, int count, assembly_price_t* prices);
 
-/// The planner's scenario of a question. It refers to the pricing's scene.
-ssv_scenario_t pricing_scenario(const pricing_t* pricing, const assembly_question_t* question);
+/// A question as the planner is asked it, and what may stand around in all of them.
+lcm_ssv_scenario_t pricing_scenario(const pricing_t* pricing, const assembly_question_t* question);
+const lcm_ssv_scene_t* pricing_scene(const pricing_t* pricing);
 
 pricing_counts_t pricing_counts(const pricing_t* pricing);
 

@@ -521,10 +521,10 @@ static bool read_rules(reading_t* reading) {
     structure->obstacles = true;
     return get_truth(reading, reading->root, "touching", &structure->touching) &&
            get_truth(reading, reading->root, "obstacles", &structure->obstacles) &&
-           get_option(reading, reading->root, "margin_m", 0, 10, &structure->margin_m) &&
-           get_option(reading, reading->root, "approach_mate_m", 0, 10, &structure->approach_mate_m) &&
-           get_option(reading, reading->root, "approach_dock_m", 0, 10, &structure->approach_dock_m) &&
-           get_option(reading, reading->root, "contact_speed_max_m_s", 0, 100, &structure->contact_speed_max_m_s);
+           get_option(reading, reading->root, "margin_m", 0, 10, &structure->task.margin_m) &&
+           get_option(reading, reading->root, "approach_mate_m", 0, 10, &structure->task.approach_mate_m) &&
+           get_option(reading, reading->root, "approach_dock_m", 0, 10, &structure->task.approach_dock_m) &&
+           get_option(reading, reading->root, "contact_speed_max_m_s", 0, 100, &structure->task.contact_speed_max_m_s);
 }
 
 static bool read_root(reading_t* reading, const char* path, const char* models_dir) {
@@ -535,8 +535,8 @@ static bool read_root(reading_t* reading, const char* path, const char* models_d
                                        "tolerance_m", "tolerance_rad",   "contact_speed_max_m_s",
                                        "standoff_m",  "thrust_reserve",  "method",
                                        "effort",      "attach_anywhere", "attach_heights_m"};
-    return check_keys(reading, reading->root, keys, LENGTH(keys), 6) && read_start(reading) && read_rules(reading) &&
-           read_hubs(reading) && read_beams(reading) && read_task(reading, path, models_dir) && read_slots(reading) &&
+    return check_keys(reading, reading->root, keys, LENGTH(keys), 6) && read_start(reading) && read_hubs(reading) &&
+           read_beams(reading) && read_task(reading, path, models_dir) && read_rules(reading) && read_slots(reading) &&
            read_precedence(reading) && check_places(reading);
 }
 

@@ -48,7 +48,7 @@ typedef struct {
 } structure_slot_t;
 
 typedef struct {
-    lcm_ssv_scenario_t task; ///< any task of it: all but start, beam's place, port and scene holds for every one
+    lcm_ssv_scenario_t task; ///< any task of it: all but start, beam's place, port and obstacles holds for every one
     double p_IS_m[3], q_IS[4];
     int num_hubs, num_beams, num_slots;
     structure_hub_t hub[STRUCTURE_MAX_HUBS];
@@ -56,7 +56,6 @@ typedef struct {
     structure_slot_t slot[STRUCTURE_MAX_SLOTS];
     bool touching;  ///< whether each slot but the first must be at a hub of one that is built
     bool obstacles; ///< whether what stands is an obstacle: the hubs, and beams that are docked
-    double margin_m, approach_mate_m, approach_dock_m, contact_speed_max_m_s;
 } structure_t;
 
 /// Whether the rules allow this slot next, some being built.

@@ -186,7 +186,6 @@ static double judged(const structure_t* structure, int* num_plans) {
     static judge_t judge;
     judge = (judge_t){.structure = structure};
     ssv_scenario_from_wire(&judge.task, &structure->task, NULL);
-    judge.task.margin_m = real_from_double(structure->margin_m);
     for (int h = 0; h < structure->num_hubs; h++) {
         stand(&judge.scene, structure->hub[h].p_IH_m, structure->hub[h].p_IH_m, structure->hub[h].radius_m);
     }
