@@ -70,10 +70,10 @@ ask_prices_t* ask_prices_open(const ask_target_t* target, char* error, size_t er
 /// whoever hears the batch answers it.
 /// @param quotes    one for each scenario, in their order, written only on success; freed with wire_clear each.
 /// @param progress  called after each answer with how many scenarios have their price; may be NULL.
-bool ask_prices(ask_prices_t* prices, const lcm_ssv_task_t* tasks, int count, lcm_ssv_quote_t* quotes,
+bool ask_prices(ask_prices_t* deal, const lcm_ssv_task_t* tasks, int count, lcm_ssv_quote_t* quotes,
                 void (*progress)(int priced, int count, void* context), void* context, char* error, size_t error_size);
 
-void ask_prices_close(ask_prices_t* prices);
+void ask_prices_close(ask_prices_t* deal);
 
 /// The same for who asks once.
 bool ask_quotes(const ask_target_t* target, const lcm_ssv_task_t* tasks, int count, lcm_ssv_quote_t* quotes,

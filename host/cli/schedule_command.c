@@ -320,9 +320,10 @@ static bool report_json(FILE* out, const void* content) {
     for (int i = 0; i < result->best.num_parts; i++) json_array_append_new(parts, part_json(report, i));
     sum_up(&result->best, &time_s, &impulse_Ns);
     return wire_json_write(
-        out, json_pack("{s:{s:s,s:f,s:f,s:f,s:b,s:f,s:o,s:s,s:o},s:{s:I,s:I,s:i,s:I,s:I,s:i,s:f,s:f}}", "schedule",
-                       "structure", report->shown, "cost", result->best.cost, "time_s", time_s, "impulse_Ns",
-                       impulse_Ns, "optimal", result->status == HTN_OPTIMAL, "lower_bound", result->lower_bound,
+        out, json_pack("{s:{s:s,s:f,s:f,s:f,s:b,s:f,s:f,s:f,s:o,s:s,s:o},s:{s:I,s:I,s:i,s:I,s:I,s:i,s:f,s:f}}",
+                       "schedule", "structure", report->shown, "cost", result->best.cost, "time_s", time_s,
+                       "impulse_Ns", impulse_Ns, "optimal", result->status == HTN_OPTIMAL, "lower_bound",
+                       result->lower_bound, "relied_share", result->relied_share, "lowest_share", result->lowest_share,
                        "greedy_cost", result->greedy.num_parts > 0 ? json_real(result->greedy.cost) : json_null(),
                        "task", "assemble-structure", "subtasks", parts, "search", "prices",
                        (json_int_t)report->counts.asked, "known", (json_int_t)report->counts.known, "poses",
