@@ -50,20 +50,10 @@ enum {
          0},                                                                                                           \
         {"output", KEY_OUTPUT, "FILE", 0, "Write there instead of to standard output, which is -", 0}
 
-#define DETAIL_OPTIONS                                                                                                 \
-    {"candidates", KEY_CANDIDATES, NULL, 0, "Also show every (contact, height) and what it costs", 0}, {"front",       \
-                                                                                                        KEY_FRONT,     \
-                                                                                                        NULL,          \
-                                                                                                        0,             \
-                                                                                                        "Also show "   \
-                                                                                                        "what time "   \
-                                                                                                        "and impulse " \
-                                                                                                        "can be "      \
-                                                                                                        "traded for; " \
-                                                                                                        "takes some "  \
-                                                                                                        "ten times "   \
-                                                                                                        "as long",     \
-                                                                                                        0}
+#define DETAIL_OPTIONS                                                                                                   \
+    {"candidates", KEY_CANDIDATES, NULL, 0, "Also search and show every (contact, height); may find a lower J", 0},      \
+        {"front", KEY_FRONT, NULL, 0, "Also show what time and impulse can be traded for; takes some ten times as long", \
+         0}
 
 static const struct argp_option answer_options[] = {
     {"lcm", KEY_LCM, "URL", OPTION_ARG_OPTIONAL, "Ask a running ssv-plannerd over LCM, instead of computing in process",

@@ -142,8 +142,9 @@ ssv_status_t ssv_quote(const ssv_problem_t* problem, ssv_work_t* work, ssv_quote
 
 /// The front over the scenario's candidates and over a ladder of weights from time alone to impulse alone, each rung
 /// planned with the scenario's method and effort. A scheduler that changes its weights takes the point that costs least
-/// with them. A point is what `ssv_quote` finds for that rung when it lists all candidates. Costs nine such quotes.
-/// @return front->status; every field of *front is written.
+/// with them. A point is what `ssv_quote` finds for that rung when it lists all candidates; one that would cost less
+/// than the scenario's own quote, by the scenario's weights, is left out: it is not what a plan would be. Costs nine
+/// such quotes. @return front->status; every field of *front is written.
 ssv_status_t ssv_front(const ssv_problem_t* problem, ssv_work_t* work, ssv_front_t* front);
 
 /// Plans. @return plan->quote.status. Every field of *plan is written.
@@ -152,7 +153,7 @@ ssv_status_t ssv_plan(const ssv_problem_t* problem, ssv_work_t* work, ssv_plan_t
 /// Each of the three in slices, for who has other things to do between: begin, then step until it returns true, when
 /// the answer is complete and the same to the last bit. A step looks at one candidate or height, or writes the plan.
 /// The longest takes some 25 ms in fixed point on a desktop core and 3 ms in double (effort best), and there are at
-/// most 90 of them in a quote or plan, where things stand in the way 300, and 9 times as many in a front. Until then
+/// most 110 of them in a quote or plan, where things stand in the way 350, and 9 times as many in a front. Until then
 /// problem, work and answer stay where they are, and nobody else writes to them.
 void ssv_quote_begin(const ssv_problem_t* problem, ssv_work_t* work, ssv_quote_t* quote);
 bool ssv_quote_step(ssv_work_t* work, ssv_quote_t* quote);

@@ -11,7 +11,7 @@ const ssv_budget_t ssv_budgets[2] = {
                           .rounds = {{SSV_SCREENED_SEEDS, 1, false}},
                           .evasion = {[SSV_TRANSIT] = {2, 2, false}, [SSV_TRANSFER] = {6, 1, false}}},
     [SSV_EFFORT_BEST] = {.num_screened = SSV_MAX_CANDIDATES,
-                         .num_searched = 2,
+                         .num_searched = SSV_MAX_CANDIDATES,
                          .closeness = SSV_ESTIMATE_CLOSELY,
                          .acceptance = {.promise = REAL(1e-5), .least_bend = REAL(1e-5), .clearly = REAL(2e-6)},
                          .num_modes = 3,

@@ -4,8 +4,8 @@
 #include "planner/search/select.h"
 #include "ssv/planner.h"
 
-// Rungs of the ladder of weights: the price of a second, and that of a second of one thruster at its limit. The last
-// rung, which is not listed, is the scenario itself.
+// Rungs of the ladder of weights: the price of a second, and that of a second of one thruster at its limit. Before them
+// comes one that is not listed, the scenario itself.
 static const real_t rungs[SSV_NUM_RUNGS - 1][2] = {{REAL(1), REAL(0)},   {REAL(1), REAL(0.02)}, {REAL(1), REAL(0.1)},
                                                    {REAL(1), REAL(0.5)}, {REAL(1), REAL(2)},    {REAL(1), REAL(10)},
                                                    {REAL(1), REAL(100)}, {REAL(0), REAL(1)}};
@@ -32,7 +32,9 @@ static void front_add(ssv_front_t* front, const ssv_candidate_t* point, int spar
 // A front under way.
 typedef struct {
     ssv_question_t own; // the scenario's
-    int rung;
+    int rung;           // 0 is its own
+    bool priced;        // whether that has a price,
+    real_t cost;        // and which
     bool overflowed;
     ssv_quote_t quote; // of the rung
     ssv_choice_t choice;
@@ -44,38 +46,50 @@ _Static_assert(_Alignof(climb_t) <= _Alignof(ssv_work_t), "and may stand there")
 static void begin_rung(climb_t* climb) {
     // The scenario's own price is to be among the points, so that rung is asked as it was asked.
     ssv_question_t question = climb->own;
-    if (climb->rung < SSV_NUM_RUNGS - 1) {
+    if (climb->rung > 0) {
         const uint32_t overflows = real_overflows();
+        const real_t* rung = rungs[climb->rung - 1];
         question.list_candidates = true;
-        question.weight_time_per_s = rungs[climb->rung][0];
-        question.weight_impulse_per_Ns =
-            real_div(rungs[climb->rung][1], question.problem->scenario.vehicle.force_max_N);
+        question.weight_time_per_s = rung[0];
+        question.weight_impulse_per_Ns = real_div(rung[1], question.problem->scenario.vehicle.force_max_N);
         if (real_overflows() != overflows) climb->overflowed = true;
     }
     ssv_choice_begin(&question, &climb->choice, &climb->quote);
+}
+
+// Enters a point with its price by the scenario's weights. What another rung came upon by chance, and the plan for
+// these weights does not find, is no point: whoever took it for them would be promised less than the plan costs.
+static void consider(const climb_t* climb, const ssv_candidate_t* found, int spare, ssv_front_t* front) {
+    ssv_candidate_t point = *found;
+    if (climb->rung > 0) {
+        point.cost = real_mul(climb->own.weight_time_per_s, point.time_s) +
+                     real_mul(climb->own.weight_impulse_per_Ns, point.impulse_Ns);
+        if (climb->priced && point.cost < climb->cost) return;
+    }
+    front_add(front, &point, spare);
 }
 
 // Takes over what the rung found.
 static void end_rung(climb_t* climb, ssv_front_t* front) {
     const ssv_quote_t* quote = &climb->quote;
     const int spare = SSV_NUM_RUNGS - 1 - climb->rung;
+    const uint32_t overflows = real_overflows();
     if (quote->status == SSV_NUMERIC_OVERFLOW) climb->overflowed = true;
     if (quote->status != SSV_OK) return;
     front->status = SSV_OK;
-    front_add(front, &quote->choice, spare);
-    for (int k = 0; k < quote->num_candidates; k++) {
-        if (quote->candidate[k].outcome == SSV_FEASIBLE) front_add(front, &quote->candidate[k], spare);
+    if (climb->rung == 0) {
+        climb->priced = true;
+        climb->cost = quote->cost;
     }
+    consider(climb, &quote->choice, spare, front);
+    for (int k = 0; k < quote->num_candidates; k++) {
+        if (quote->candidate[k].outcome == SSV_FEASIBLE) consider(climb, &quote->candidate[k], spare, front);
+    }
+    if (real_overflows() != overflows) climb->overflowed = true;
 }
 
-static void finish(climb_t* climb, ssv_front_t* front) {
-    const uint32_t overflows = real_overflows();
-    for (int k = 0; k < front->num_points; k++) {
-        ssv_candidate_t* point = &front->point[k];
-        point->cost = real_mul(climb->own.weight_time_per_s, point->time_s) +
-                      real_mul(climb->own.weight_impulse_per_Ns, point->impulse_Ns);
-    }
-    if (!climb->overflowed && real_overflows() == overflows) return;
+static void finish(const climb_t* climb, ssv_front_t* front) {
+    if (!climb->overflowed) return;
     const uint64_t scenario_hash = front->scenario_hash;
     memset(front, 0, sizeof *front);
     front->status = SSV_NUMERIC_OVERFLOW;
@@ -89,7 +103,7 @@ void ssv_front_begin(const ssv_problem_t* problem, ssv_work_t* work, ssv_front_t
     front->scenario_hash = problem->scenario_hash;
     climb->own = ssv_question_of(problem);
     climb->rung = 0;
-    climb->overflowed = false;
+    climb->priced = climb->overflowed = false;
     begin_rung(climb);
 }
 

@@ -82,9 +82,11 @@ static ssv_search_t search_of(ssv_choice_t* choice, ssv_quote_t* quote) {
     return (ssv_search_t){&choice->question, &choice->memory, &choice->best, &quote->num_priced};
 }
 
+// Effort best screens what effort quick has found no price for; the others promise that price.
 static void begin_screening(ssv_choice_t* choice, ssv_effort_t effort, ssv_quote_t* quote) {
     const ssv_search_t search = search_of(choice, quote);
     ssv_prospects_t* prospects = &choice->prospects;
+    const bool knows_prices = effort == SSV_EFFORT_BEST && choice->detour < 0;
     choice->stage = SSV_CHOICE_SCREENS;
     choice->effort = effort;
     choice->num_done = 0;
@@ -92,16 +94,22 @@ static void begin_screening(ssv_choice_t* choice, ssv_effort_t effort, ssv_quote
     *prospects = (ssv_prospects_t){.num = quote->num_candidates, .favourite = -1};
     for (int k = 0; k < prospects->num; k++) {
         const ssv_candidate_t* candidate = &quote->candidate[k];
-        prospects->promise[k] = ssv_screen_flights(&search, candidate->contact, candidate->attach_height_m);
         prospects->screened[k] = prospects->done[k] = is_blocked(candidate);
+        if (knows_prices && candidate->outcome == SSV_FEASIBLE) {
+            prospects->promise[k] = candidate->cost;
+            prospects->screened[k] = true;
+            if (prospects->favourite < 0 || candidate->cost < prospects->promise[prospects->favourite])
+                prospects->favourite = k;
+        } else {
+            prospects->promise[k] = ssv_screen_flights(&search, candidate->contact, candidate->attach_height_m);
+        }
     }
 }
 
-// Screens the next candidate: those with short flights, or all of them if all are to be listed. @return whether it was
-// the last.
+// Screens the next candidate: those with short flights. @return whether it was the last.
 static bool screen_next(ssv_choice_t* choice, ssv_quote_t* quote) {
     const ssv_search_t search = search_of(choice, quote);
-    const bool all = choice->question.list_candidates || choice->tries_all;
+    const bool all = choice->tries_all;
     ssv_prospects_t* prospects = &choice->prospects;
     while (choice->num_done < prospects->num) {
         const int n = choice->num_done++, next = least_of(prospects, prospects->screened);
@@ -129,18 +137,18 @@ static bool screen_next(ssv_choice_t* choice, ssv_quote_t* quote) {
     return choice->num_done == prospects->num;
 }
 
-// Whether the search goes on to this candidate, the n-th: the most promising, all of them if all are to be listed.
+// Whether the search goes on to this candidate, the n-th: with effort quick the most promising, with effort best each
+// one. What a quick search finds says little of what there is: at the cheapest height it may cost twice as much.
 static bool is_worth_a_search(const ssv_choice_t* choice, int next) {
     const ssv_prospects_t* prospects = &choice->prospects;
     const ssv_price_t* best = &choice->best.price;
-    const bool all = choice->question.list_candidates;
     if (next < 0) return false;
-    if (choice->tries_all && !all) return best->outcome != SSV_FEASIBLE;
+    if (choice->tries_all && !choice->question.list_candidates) return best->outcome != SSV_FEASIBLE;
     const int n = choice->num_done;
     const real_t least = prospects->promise[prospects->favourite], promise = prospects->promise[next];
-    if (!(all || n < ssv_budgets[choice->effort].num_searched || ssv_alike(least, promise))) return false;
-    const bool hopeless = best->outcome == SSV_FEASIBLE && promise >= real_mul(SSV_SEARCH_GAIN, best->cost);
-    return n == 0 || all || !hopeless;
+    if (n == 0 || choice->effort == SSV_EFFORT_BEST) return true;
+    if (n >= ssv_budgets[choice->effort].num_searched && !ssv_alike(least, promise)) return false;
+    return best->outcome != SSV_FEASIBLE || promise < real_mul(SSV_SEARCH_GAIN, best->cost);
 }
 
 // Searches the next candidate. @return whether that was the last.
@@ -157,6 +165,21 @@ static bool search_next(ssv_choice_t* choice, ssv_quote_t* quote) {
     if (n > 0 && choice->effort == SSV_EFFORT_QUICK) (void)ssv_screen(&search, contact, height_m, NULL);
     improve(candidate, ssv_optimal_search(&search, contact, height_m, choice->effort));
     choice->num_done++;
+    return false;
+}
+
+// A quick search of the next candidate that has had none: where all are to be listed, and for effort best, so that it
+// never costs more than one of such a list. @return whether there was none left.
+static bool search_rest(ssv_choice_t* choice, ssv_quote_t* quote) {
+    const ssv_search_t search = search_of(choice, quote);
+    bool* searched = choice->prospects.searched;
+    int next = 0;
+    while (next < quote->num_candidates && (searched[next] || is_blocked(&quote->candidate[next]))) next++;
+    if (next == quote->num_candidates) return true;
+    ssv_candidate_t* candidate = &quote->candidate[next];
+    searched[next] = true;
+    (void)ssv_screen(&search, candidate->contact, candidate->attach_height_m, NULL);
+    improve(candidate, ssv_optimal_search(&search, candidate->contact, candidate->attach_height_m, SSV_EFFORT_QUICK));
     return false;
 }
 
@@ -187,7 +210,12 @@ static void begin_stage(ssv_choice_t* choice, ssv_choice_stage_t stage) {
     choice->num_done = 0;
 }
 
-static void begin_after_quick(ssv_choice_t* choice, ssv_quote_t* quote) {
+static void begin_after_quick(ssv_choice_t* choice) {
+    const bool all = choice->question.list_candidates || choice->question.problem->scenario.effort == SSV_EFFORT_BEST;
+    begin_stage(choice, all ? SSV_CHOICE_SEARCHES_REST : SSV_CHOICE_TRIES_PAPER);
+}
+
+static void begin_after_rest(ssv_choice_t* choice, ssv_quote_t* quote) {
     const ssv_scenario_t* scenario = &choice->question.problem->scenario;
     const bool between = scenario->attach_anywhere && choice->best.price.outcome == SSV_FEASIBLE;
     if (scenario->effort != SSV_EFFORT_BEST) {
@@ -247,7 +275,7 @@ static void begin_after_searches(ssv_choice_t* choice, ssv_quote_t* quote) {
         choice->along_step_m = real_mul(SSV_FIRST_HEIGHT_STEP, scenario->beam.length_m);
         begin_stage(choice, SSV_CHOICE_STEPS_ALONG);
     } else {
-        begin_after_quick(choice, quote);
+        begin_after_quick(choice);
     }
 }
 
@@ -283,7 +311,10 @@ bool ssv_choice_step(ssv_choice_t* choice, ssv_quote_t* quote) {
             if (search_next(choice, quote)) begin_after_searches(choice, quote);
             break;
         case SSV_CHOICE_STEPS_ALONG:
-            if (step_along_beam(choice, quote)) begin_after_quick(choice, quote);
+            if (step_along_beam(choice, quote)) begin_after_quick(choice);
+            break;
+        case SSV_CHOICE_SEARCHES_REST:
+            if (search_rest(choice, quote)) begin_after_rest(choice, quote);
             break;
         case SSV_CHOICE_SEARCHES_BETWEEN:
             (void)ssv_optimal_search(&search, choice->between_contact, choice->between_height_m, SSV_EFFORT_BEST);

@@ -23,7 +23,8 @@ typedef struct {
 typedef enum {
     SSV_CHOICE_SCREENS, ///< candidate after candidate
     SSV_CHOICE_SEARCHES,
-    SSV_CHOICE_STEPS_ALONG, ///< along the beam from the best height so far
+    SSV_CHOICE_STEPS_ALONG,   ///< along the beam from the best height so far
+    SSV_CHOICE_SEARCHES_REST, ///< what has had no quick search
     SSV_CHOICE_SEARCHES_BETWEEN,
     SSV_CHOICE_TRIES_PAPER, ///< the paper's path of candidate after candidate
     SSV_CHOICE_IS_MADE
