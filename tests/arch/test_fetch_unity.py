@@ -1,8 +1,11 @@
 """The Unity fetcher keeps to the machine's own mirror, in whatever format that is written."""
+import os
 import pathlib
+import shutil
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 from core import ROOT
 
@@ -59,6 +62,40 @@ class Vendor(unittest.TestCase):
             with self.assertRaisesRegex(fetch_unity.FetchError, "SHA-256"):
                 fetch_unity.vendor(archive, pathlib.Path(scratch) / "unity")
             self.assertEqual([path.name for path in pathlib.Path(scratch).iterdir()], ["cmock.tar.xz"])
+
+
+FAKE_APT = """#!/bin/sh
+echo "$*" >>"{folder}/options"
+[ "$1" = shell ] && {apt_config} "$@"
+case "$*" in *source*) touch unity_1.tar.gz ;; esac
+exit 0
+"""
+
+
+class Download(unittest.TestCase):
+    def test_apt_keeps_its_sandbox_and_its_user_can_write_where_it_fetches(self):
+        apt_config = shutil.which("apt-config")
+        if apt_config is None:
+            self.skipTest("no apt here")
+        with tempfile.TemporaryDirectory() as scratch, tempfile.TemporaryDirectory() as target:
+            for program in ("apt-get", "apt-config"):
+                path = pathlib.Path(scratch) / program
+                path.write_text(FAKE_APT.format(folder=scratch, apt_config=apt_config))
+                path.chmod(0o755)
+            stanza = "deb [trusted=yes] http://m.example/debian bookworm main\n"
+            with unittest.mock.patch.dict(os.environ, PATH=f"{scratch}:{os.environ['PATH']}"), \
+                 unittest.mock.patch.multiple(fetch_unity, codename=lambda: "bookworm",
+                                              apt_sources=lambda: [(pathlib.Path("sources.list"), stanza)], PACKAGE="unity"):
+                fetch_unity.download(pathlib.Path(target))
+            kept = "Sandbox::User=" not in (pathlib.Path(scratch) / "options").read_text()
+            try:
+                others = os.geteuid() != 0 or "4294967295" in pathlib.Path("/proc/self/uid_map").read_text()
+            except OSError:
+                others = True
+            self.assertEqual(kept, others)  # in a namespace whose one user is root there is no sandbox to be had
+            if kept and os.geteuid() == 0:
+                owners = {path.owner() for path in pathlib.Path(target).glob("**/") if path.is_dir()}
+                self.assertEqual(owners, {"_apt"})
 
 
 if __name__ == "__main__":

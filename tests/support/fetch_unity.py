@@ -7,6 +7,7 @@ Does nothing, and needs no network, when the folder already holds this version.
 Exit codes: 0 the folder is complete, 1 not fetched (says why), 64 wrong usage.
 """
 import hashlib
+import os
 import pathlib
 import re
 import shutil
@@ -69,6 +70,21 @@ def codename():
     return match[1]
 
 
+def give_to_sandbox(folder):
+    """Run by root, apt fetches as a user who may do nothing else, and who must be able to write there. Returns the options
+    that apt needs where there is no other user than root, as in a namespace of its own."""
+    said = subprocess.run(["apt-config", "shell", "USER", "APT::Sandbox::User"], capture_output=True, text=True).stdout
+    user = re.search(r"USER='([\w-]+)'", said)
+    if os.geteuid() != 0 or not user:
+        return []
+    try:
+        for path in (folder, *folder.glob("**/")):
+            shutil.chown(path, user[1])
+    except (OSError, LookupError):
+        return ["-o", "APT::Sandbox::User="]
+    return []
+
+
 def download(folder):
     """Downloads the source archive into `folder` with apt, away from the system's lists. Returns its path."""
     name = codename()
@@ -81,8 +97,8 @@ def download(folder):
     (folder / "parts" / f"unity{suffix}").write_text(source)
     apt = ["apt-get", "-qq", "-o", "Dir::Etc::SourceList=/dev/null", "-o", f"Dir::Etc::SourceParts={folder}/parts",
            "-o", f"Dir::State::Lists={folder}/lists", "-o", f"Dir::Cache={folder}/cache",
-           "-o", "Acquire::Languages=none", "-o", "APT::Sandbox::User=",
-           "-o", "APT::Update::Error-Mode=any"]  # or an update that fetched nothing would pass for one that did
+           "-o", "Acquire::Languages=none", "-o", "APT::Update::Error-Mode=any"]  # or an update that fetched nothing would pass for one that did
+    apt += give_to_sandbox(folder)
     for command in (["update"], ["source", "--download-only", "--tar-only", PACKAGE]):
         done = subprocess.run(apt + command, cwd=folder, capture_output=True, text=True)
         if done.returncode != 0:
