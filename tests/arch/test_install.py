@@ -3,6 +3,7 @@ build of the library alone needs nothing but a compiler."""
 import os
 import pathlib
 import re
+import subprocess
 import tempfile
 import unittest
 
@@ -32,8 +33,9 @@ class Install(unittest.TestCase):
         cls.prefix = cls.scratch / "prefix"
         run(["cmake", "--install", BUILD, "--prefix", cls.prefix])
 
-    def test_only_the_core_headers_are_installed(self):
-        headers = sorted(str(path.relative_to(self.prefix)) for path in self.prefix.glob("**/*.h"))
+    def test_only_the_core_headers_are_installed_and_those_of_the_messages_in_a_folder_of_their_own(self):
+        headers = sorted(str(path.relative_to(self.prefix)) for path in self.prefix.glob("**/*.h")
+                         if path.parent.name != "ssv_lcmtypes")
         self.assertEqual(headers, [f"include/ssv/{name}.h" for name in
                                    ("plan", "planner", "real", "real_double", "real_fixed", "real_float", "scenario",
                                     "timeline", "vec3")])
@@ -59,6 +61,30 @@ class Install(unittest.TestCase):
         self.assertEqual(run([self.scratch / "consumer/consumer", *seed_and_count]),
                          run([self.scratch / "direct", *seed_and_count]))
         self.assertEqual(run([self.scratch / "consumer/fly_cxx"]), run([self.scratch / "consumer/fly_c"]))
+
+
+    @unittest.skipUnless(os.environ["SSV_BUILD_HOST"] == "ON", "built without the programs")
+    def test_another_project_asks_a_planner_by_the_messages_that_are_installed(self):
+        lcm = next((pathlib.Path(BUILD) / "venv/lib").glob("python3*/site-packages"))
+        folder = self.scratch / "asker"
+        configure(HERE / "consumer", folder, HOW="installed", COMPONENTS="lcmtypes", CMAKE_PREFIX_PATH=f"{self.prefix};{lcm}")
+        run(["cmake", "--build", folder])
+        url = f"udpm://239.255.76.67:{20000 + os.getpid() % 20000}?ttl=0"
+        daemon = subprocess.Popen([self.prefix / "bin/ssv-plannerd", "--lcm-url", url], stderr=subprocess.DEVNULL)
+        try:
+            asked = float.fromhex(run([folder / "ask", url]))
+        finally:
+            daemon.terminate()
+            daemon.wait()
+        planned = float.fromhex(run([folder / "fly_c"]).split()[2])
+        self.assertAlmostEqual(asked / planned, 1, 12)  # half a turn is rounded by one and not by the other
+        files, jar = (folder / "other_languages.txt").read_text().splitlines()
+        self.assertEqual(sorted(pathlib.Path(file).name for file in files.split(";")),
+                         sorted(path.name for path in (ROOT / "lcmtypes").glob("*.lcm")))
+        for file in files.split(";"):
+            self.assertEqual(pathlib.Path(file).read_text(), (ROOT / "lcmtypes" / pathlib.Path(file).name).read_text())
+        if (pathlib.Path(BUILD) / "share/ssv_lcmtypes.jar").exists():
+            self.assertEqual(pathlib.Path(jar).read_bytes(), (pathlib.Path(BUILD) / "share/ssv_lcmtypes.jar").read_bytes())
 
 
 class Subproject(unittest.TestCase):
