@@ -117,15 +117,15 @@ static ssv_scenario_t model_scenario(int k, bool ease) {
 }
 
 static double plan_ms(const ssv_problem_t* problem) {
-    const double start = now_ms();
+    const double start = spent_ms();
     (void)ssv_plan(problem, &work, &plan);
-    return now_ms() - start;
+    return spent_ms() - start;
 }
 
 static double quote_ms(const ssv_problem_t* problem) {
-    const double start = now_ms();
+    const double start = spent_ms();
     (void)ssv_quote(problem, &work, &quote);
-    return now_ms() - start;
+    return spent_ms() - start;
 }
 
 /// Infinite where no candidate is feasible.
@@ -136,12 +136,12 @@ static double price(const ssv_scenario_t* scenario, const way_t* way) {
 
 static double bound_ns(const ssv_problem_t* problem) {
     volatile double outside;
-    const double start = now_ms();
+    const double start = spent_ms();
     for (int i = 0; i < BOUNDS_PER_SAMPLE; i++) {
         outside = real_to_double(ssv_lower_bound(problem));
     }
     (void)outside;
-    return (now_ms() - start) * 1e6 / BOUNDS_PER_SAMPLE;
+    return (spent_ms() - start) * 1e6 / BOUNDS_PER_SAMPLE;
 }
 
 // ---- Over LCM -------------------------------------------------------------------------------------------------------
@@ -161,18 +161,19 @@ static void on_plan(const lcm_recv_buf_t* datagram, const char* channel, void* u
     lcm_ssv_plan_t_decode_cleanup(&answer);
 }
 
-/// Sends the question until its answer comes. @return the time from the last sending to the answer, decoded.
+/// Sends the question until its answer comes. @return the time on the wall from the last sending to the answer,
+/// decoded.
 static double round_trip_ms(link_t* link, const lcm_ssv_task_t* question) {
     uint8_t bytes[8192];
     const int size = lcm_ssv_task_t_encode(bytes, 0, sizeof bytes, question);
     for (int i = 0; i < ANSWER_TRIES; i++) {
-        const double start = now_ms();
+        const double start = wall_ms();
         if (size < 0 || lcm_publish(link->lcm, "SSV_SCENARIO", bytes, (unsigned)size) != 0) {
             give_up("cannot send over LCM");
         }
         while (lcm_handle_timeout(link->lcm, ANSWER_TIMEOUT_US / 1000) > 0) {
             if (link->last_answered == question->scenario.asker.request_id) {
-                return now_ms() - start;
+                return wall_ms() - start;
             }
         }
     }
@@ -283,7 +284,8 @@ static void report_scenarios(report_t* report, row_t* rows, int count) {
     report_section(
         report, "scenarios",
         "Scenarios of host/scenarios: times of a plan and of its price in process, of the round trip over LCM, "
-        "and of the lower bound.\nplan x loop: in units of the calibration loop of 100000 dependent roots and "
+        "and of the lower bound. All but the round trip is processor time, which other programs do not add to.\nplan x "
+        "loop: in units of the calibration loop of 100000 dependent roots and "
         "quotients, to compare machines, or versions on a machine whose speed varies");
     for (int i = 0; i < count; i++) {
         row_t* row = &rows[i];
@@ -423,10 +425,10 @@ static void report_profiles(report_t* report, row_t* rows, int count) {
         samples_t ns = {0};
         for (int repeat = 0; repeat < MAX_REPEATS; repeat++) {
             ssv_profile_t profile;
-            const double start = now_ms();
+            const double start = spent_ms();
             for (int k = 0; k < num; k++)
                 (void)ssv_profile_solve(&legs[k].thrusts, &legs[k].rule, legs[k].length, &profile);
-            samples_add(&ns, (now_ms() - start) * 1e6 / num);
+            samples_add(&ns, (spent_ms() - start) * 1e6 / num);
         }
         report_row(report);
         report_text(report, "profile", kinds[n].name);
@@ -473,7 +475,7 @@ static void report_euler(report_t* report) {
     int steps[2];
     for (int repeat = 0; repeat < EULER_REPEATS; repeat++) {
         for (int hold = EULER_HOLD_IN_ONE; hold <= EULER_HOLD_STEPPED; hold++) {
-            const double start = now_ms();
+            const double start = spent_ms();
             euler_cost[hold] = 0;
             steps[hold] = 0;
             for (int k = 0; k < num; k++) {
@@ -482,16 +484,16 @@ static void report_euler(report_t* report) {
                 euler_cost[hold] += leg.time_s + leg.impulse_Ns;
                 steps[hold] += leg.steps;
             }
-            samples_add(&euler_ms[hold], now_ms() - start);
+            samples_add(&euler_ms[hold], spent_ms() - start);
         }
         for (int k = 0; k < 10; k++) {
-            const double start = now_ms();
+            const double start = spent_ms();
             for (int leg = 0; leg < num; leg++) {
                 ssv_profile_price_t full_reverse, drag_only;
                 ssv_profile_price_ramps(&legs[leg].thrusts, &legs[leg].rule, legs[leg].length, &full_reverse,
                                         &drag_only);
             }
-            samples_add(&legs_ms, now_ms() - start);
+            samples_add(&legs_ms, spent_ms() - start);
             samples_add(&paper_ms, quote_ms(&all));
             samples_add(&quick_ms, quote_ms(&quick));
         }
@@ -704,7 +706,8 @@ static const char manual[] =
     "beside "
     "a fixed calibration loop. For random tasks: times, and prices against method paper for four pairs of weights. For "
     "single legs: times of profiles, and of the paper's own Euler iteration. Plans in float and in fixed point beside "
-    "double. The memory that plans take. In the end the "
+    "double. Times are the processor's, but for the round trip, so that what else the machine does hardly counts. The "
+    "memory that plans take. In the end the "
     "project's goals, and whether they are met here."
     "\v"
     "It needs LCM over UDP multicast; `bash tests/run.sh -R bench -V` runs it in a private network. Takes about a "

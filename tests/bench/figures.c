@@ -9,21 +9,25 @@
 
 #define CELL_SIZE 128
 
-double now_ms(void) {
+static double time_ms(clockid_t clock) {
     struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
+    clock_gettime(clock, &t);
     return (double)t.tv_sec * 1e3 + (double)t.tv_nsec / 1e6;
 }
 
+double spent_ms(void) { return time_ms(CLOCK_PROCESS_CPUTIME_ID); }
+
+double wall_ms(void) { return time_ms(CLOCK_MONOTONIC); }
+
 double calibrate_ms(void) {
     volatile double outside = 2; // read and written between the two looks at the clock, so the loop stays there
-    const double start = now_ms();
+    const double start = spent_ms();
     double x = outside;
     for (int i = 0; i < CALIBRATION_STEPS; i++) {
         x = sqrt(x * 1.25 + 3 / x);
     }
     outside = x;
-    return now_ms() - start;
+    return spent_ms() - start;
 }
 
 void samples_add(samples_t* samples, double value) {

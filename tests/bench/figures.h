@@ -5,7 +5,11 @@
 #include <jansson.h>
 #include <stdbool.h>
 
-double now_ms(void);
+/// The processor time that this process has spent: what others make the machine do does not count.
+double spent_ms(void);
+
+/// The time on the wall, for what is waited for.
+double wall_ms(void);
 
 /// A fixed chain of dependent products, quotients and roots: what one core does with doubles.
 #define CALIBRATION_STEPS 100000
