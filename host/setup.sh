@@ -44,7 +44,8 @@ _ssv_step() {
 # _ssv_missing_packages RELEASE demo|tests [PACKAGE...]: the Debian packages that such a build needs and the machine lacks.
 _ssv_missing_packages() {
     local release=$1 wanted package
-    wanted=(ca-certificates cmake gcc iproute2 libc6-dev libfyaml-dev libjansson-dev ninja-build)
+    wanted=(ca-certificates cmake gcc iproute2 libc6-dev libfyaml-dev libjansson-dev libjs-dygraphs libjs-three libmicrohttpd-dev
+        ninja-build)
     case $release in
         debian12) wanted+=(libglib2.0-0) ;;
         debian13) wanted+=(libglib2.0-0t64) ;;
@@ -52,9 +53,11 @@ _ssv_missing_packages() {
     if [[ $2 == tests ]]; then
         wanted+=(clang g++ libclang-rt-dev llvm default-jdk-headless) # llvm: names in the stack traces of findings
         wanted+=(clang-tidy cppcheck) # the target check
+        wanted+=(gnuplot-nox)
         wanted+=(gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm) # tests on bare Cortex-M cores
         if [[ -n ${SSV_LONG:-} ]]; then
-            wanted+=(tshark) # the link as a tool of others sees it
+            wanted+=(tshark)   # the link as a tool of others sees it
+            wanted+=(chromium) # pages as a browser shows them
         fi
         # and on other processors with an operating system
         wanted+=(gcc-aarch64-linux-gnu gcc-arm-linux-gnueabihf libc6-dev-arm64-cross libc6-dev-armhf-cross qemu-user)

@@ -176,6 +176,18 @@ static void execution_received(const lcm_recv_buf_t* datagram, const char* chann
     wait->wish = turn(wait, wait->news);
 }
 
+/// A vehicle_state_t names nobody but its plan.
+static void state_received(const lcm_recv_buf_t* datagram, const char* channel, void* context) {
+    const flight_wait_t* const wait = context;
+    lcm_ssv_vehicle_state_t state;
+    if (!line_is_message("vehicle_state_t", datagram) ||
+        lcm_ssv_vehicle_state_t_decode(datagram->data, 0, (int)datagram->data_size, &state) < 0) {
+        return;
+    }
+    if (!has_ended(wait) && state.plan_hash != 0 && state.plan_hash == wait->news->plan_hash)
+        wait->flight->state(&state, strcmp(channel, CHANNEL_TRUTH) == 0, wait->flight->context);
+}
+
 /// The one planner that hears its vehicle. With two of them nobody can know which vehicle is meant.
 static bool find_vehicle(line_t* line, int64_t* planner_id, char* error, size_t error_size) {
     const double start_s = line_now_s(), deadline_s = start_s + line->timeout_s;
@@ -272,6 +284,8 @@ bool ask_flight(const ask_target_t* target, const ask_flight_t* flight, lcm_ssv_
     if (!line_open(line, plan_received, &wait, error, error_size)) return false;
     const bool flown =
         line_hear(line, CHANNEL_EXECUTION, execution_received, &wait, error, error_size) &&
+        line_hear(line, CHANNEL_STATE, state_received, &wait, error, error_size) &&
+        line_hear(line, CHANNEL_TRUTH, state_received, &wait, error, error_size) &&
         (flight->planner_id != 0 || find_vehicle(line, &question->scenario.asker.planner_id, error, error_size)) &&
         exchange_flight(&wait, error, error_size);
     line_close(line);

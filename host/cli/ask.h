@@ -13,6 +13,7 @@
 #include "lcm_ssv_plan_t.h"
 #include "lcm_ssv_quote_t.h"
 #include "lcm_ssv_task_t.h"
+#include "lcm_ssv_vehicle_state_t.h"
 
 /// Whom to ask, and for how long.
 typedef struct {
@@ -47,6 +48,8 @@ typedef struct {
     /// Called with what each message tells, and without news at least five times a second. `plan` is NULL until it has
     /// been answered.
     ask_wish_t (*turn)(const lcm_ssv_plan_t* plan, const lcm_ssv_execution_t* news, void* context);
+    /// Called with where the vehicle is said to be while the plan is flown: by its planner, or by a simulator.
+    void (*state)(const lcm_ssv_vehicle_state_t* state, bool is_truth, void* context);
     void* context;
 } ask_flight_t;
 

@@ -31,4 +31,16 @@ int fly_command(int argc, char** argv);
 /// `ssv schedule`: reads a structure file and shows in which order its beams are assembled at the least cost.
 int schedule_command(int argc, char** argv);
 
+/// `ssv report`: shows a plan or a flight as a page for a browser.
+int report_command(int argc, char** argv);
+
+/// `ssv plot`: draws a plan's thrusts, speed and clearance over time.
+int plot_command(int argc, char** argv);
+
+/// `ssv log`: turns a recorded log of the bus into tables.
+int log_command(int argc, char** argv);
+
+/// `ssv watch`: serves a page that shows what happens on the bus.
+int watch_command(int argc, char** argv);
+
 #endif

@@ -96,6 +96,7 @@ typedef struct {
     int signal_fd;
     int num_signals;
     report_leg_t leg[SSV_MAX_LEGS];
+    flown_t* flown;
     int leg_at;
     int32_t sequence;
     int news_lost;
@@ -216,6 +217,7 @@ static ask_wish_t turn(const lcm_ssv_plan_t* plan, const lcm_ssv_execution_t* ne
         flight->news_lost += news->sequence > flight->sequence + 1 ? news->sequence - flight->sequence - 1 : 0;
         flight->sequence = news->sequence;
         note_legs(flight, news);
+        (void)flown_note_execution(flight->flown, news);
         show(flight, news);
     }
     simulation_t* simulation = flight->simulation;
@@ -224,6 +226,12 @@ static ask_wish_t turn(const lcm_ssv_plan_t* plan, const lcm_ssv_execution_t* ne
         simulation->failed = !process_runs(&simulation->simulator) || !process_runs(&simulation->planner);
     if (flight->num_signals > 1 || (simulation != NULL && simulation->failed)) return ASK_LEAVE;
     return flight->num_signals > 0 ? ASK_STOP : ASK_GO_ON;
+}
+
+/// What ask_flight calls, too.
+static void note_state(const lcm_ssv_vehicle_state_t* state, bool is_truth, void* context) {
+    const flight_t* const flight = context;
+    (void)(is_truth ? flown_note_truth : flown_note_estimate)(flight->flown, state);
 }
 
 // ---- The simulation -------------------------------------------------------------------------------------------------
@@ -398,7 +406,8 @@ static int fly(flight_t* flight, const report_plan_t* predicted, lcm_ssv_task_t*
                                  options->timeout_s + (options->rate > 0 ? 1 / options->rate : 0)};
     // A planner of another arithmetic rounds otherwise.
     const bool is_same = simulation != NULL || options->scalar == NULL || strcmp(options->scalar, REAL_NAME) == 0;
-    const ask_flight_t how = {planner_id, is_same ? predicted->plan->plan_hash : 0, flight->signal_fd, turn, flight};
+    const ask_flight_t how = {planner_id, is_same ? predicted->plan->plan_hash : 0, flight->signal_fd, turn, note_state,
+                              flight};
     char error[1024], reason[400] = "";
     int code = EXIT_NO_ANSWER;
     lcm_ssv_plan_t plan;
@@ -434,6 +443,7 @@ static int fly(flight_t* flight, const report_plan_t* predicted, lcm_ssv_task_t*
             .plan = {predicted->path, question, &plan, true},
             .end = &news,
             .legs = flight->leg,
+            .flown = flight->flown,
             .news_lost = flight->news_lost,
             .wall_s = wall_s,
             .truth = truth,
@@ -455,13 +465,16 @@ static int begin(const task_options_t* options, lcm_ssv_task_t* question, const 
                  const lcm_ssv_plan_t* plan) {
     char error[1024];
     const report_plan_t predicted = {options->shown[0], question, plan, false};
+    static flown_t flown;
     static simulation_t simulation = {.simulator = {.output = -1, .log = -1}, .planner = {.output = -1, .log = -1}};
     flight_t flight = {.options = options,
                        .plan = plan,
                        .simulation = options->in_simulation ? &simulation : NULL,
+                       .flown = &flown,
                        .state = -1,
                        .on_terminal = isatty(STDERR_FILENO) == 1};
     int64_t planner_id = 0;
+    flown_begin(&flown);
     if (options->conditions != NULL && (!find_conditions(options->conditions, simulation.conditions,
                                                          sizeof simulation.conditions, error, sizeof error) ||
                                         !read_lag(simulation.conditions, &simulation.lag_s, error, sizeof error))) {

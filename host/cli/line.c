@@ -15,8 +15,6 @@
 #include "wire/message.h"
 #include "wire/names.h"
 
-/// No datagram is larger. liblcm gives the start of one, cut within its channel's name, a negative size.
-#define DATAGRAM_SIZE_MAX 65535
 /// Messages that wait while we look at one; liblcm's own 30 are soon filled by a stranger, or by a flight that goes
 /// much faster than the clock.
 #define QUEUE_CAPACITY 4096
@@ -55,7 +53,7 @@ bool line_check_scalar(const line_t* line, const lcm_ssv_answer_t* answer, char 
 }
 
 bool line_is_message(const char* type, const lcm_recv_buf_t* datagram) {
-    return datagram->data_size <= DATAGRAM_SIZE_MAX && wire_is_message(type, datagram->data, datagram->data_size);
+    return datagram->data_size <= LINE_DATAGRAM_MAX && wire_is_message(type, datagram->data, datagram->data_size);
 }
 
 static void status_received(const lcm_recv_buf_t* datagram, const char* channel, void* context) {

@@ -14,6 +14,8 @@
 #include "ssv/check.h"
 
 #define LINE_PLANNERS_MAX 64
+/// No datagram is larger. liblcm gives the start of one, cut within its channel's name, a negative size.
+#define LINE_DATAGRAM_MAX 65535
 /// [s] Status comes once a second: how long to listen for the first one, and after which silence a planner is gone.
 #define LINE_LISTEN_S 1.2
 #define LINE_SILENCE_S 3.0

@@ -12,7 +12,8 @@ static const struct {
     int (*run)(int argc, char** argv);
 } commands[] = {
     {"plan", plan_command},         {"quote", quote_command},       {"fly", fly_command},
-    {"scenario", scenario_command}, {"schedule", schedule_command},
+    {"scenario", scenario_command}, {"schedule", schedule_command}, {"report", report_command},
+    {"plot", plot_command},         {"log", log_command},           {"watch", watch_command},
 };
 
 static const char doc[] =
@@ -24,6 +25,10 @@ static const char doc[] =
     "  fly       have a task flown, in simulation or by a real vehicle\n"
     "  scenario  the question as understood, every default filled in\n"
     "  schedule  which beam goes where, in which order, to assemble a structure\n"
+    "  report    a plan or a flight as a picture that opens in any browser\n"
+    "  plot      a plan's thrusts, speed and clearance, for paper or in the terminal\n"
+    "  log       a recorded log of the bus as tables\n"
+    "  watch     what happens on the bus, in a browser, while it happens\n"
     "\n"
     "`ssv COMMAND --help` tells about a command.";
 
@@ -40,7 +45,8 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
             (void)argument;
             return 0;
         case ARGP_KEY_NO_ARGS:
-            argp_error(state, "which command? There are: plan, quote, fly, scenario, schedule");
+            argp_error(state,
+                       "which command? There are: plan, quote, fly, scenario, schedule, report, plot, log, watch");
             return 0;
         default: return ARGP_ERR_UNKNOWN;
     }
@@ -58,7 +64,8 @@ int main(int argc, char** argv) {
         }
     }
     fprintf(stderr,
-            "ssv: there is no command '%s'. There are: plan, quote, fly, scenario, schedule\nTry `ssv --help' for more "
+            "ssv: there is no command '%s'. There are: plan, quote, fly, scenario, schedule, report, plot, log, watch\n"
+            "Try `ssv --help' for more "
             "information.\n",
             rest[0]);
     return EXIT_USAGE;

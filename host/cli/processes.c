@@ -29,6 +29,18 @@ void process_path(const char* relative, char* path, size_t size) {
     snprintf(path, size, "%.*s%s", bin_length, program, relative);
 }
 
+bool process_find(const char* name, char* path, size_t size) {
+    const char* folders = getenv("PATH");
+    while (folders != NULL && *folders != '\0') {
+        const size_t length = strcspn(folders, ":");
+        const int written = snprintf(path, size, "%.*s/%s", (int)length, folders, name);
+        if (length > 0 && *folders == '/' && written > 0 && (size_t)written < size && access(path, X_OK) == 0)
+            return true;
+        folders += length + (folders[length] == ':');
+    }
+    return false;
+}
+
 int process_scratch(void) { return memfd_create("ssv", MFD_CLOEXEC); }
 
 /// What the child does up to the program. Only calls that are safe after a fork of a process with threads.
@@ -52,8 +64,12 @@ bool process_start(process_t* process, const char* name, char* const argv[], int
     const int nothing = process_scratch();
     const pid_t self = getpid();
     *process = (process_t){.output = process_scratch(), .log = process_scratch()};
-    snprintf(process->name, sizeof process->name, "%s", name);
-    process_path(name, path, sizeof path);
+    const char* const slash = strrchr(name, '/');
+    snprintf(process->name, sizeof process->name, "%s", slash == NULL ? name : slash + 1);
+    if (name[0] == '/')
+        snprintf(path, sizeof path, "%s", name);
+    else
+        process_path(name, path, sizeof path);
     if (access(path, X_OK) != 0) {
         snprintf(error, error_size, "cannot run %.512s: %s; it belongs beside this program", path, strerror(errno));
     } else if (nothing < 0 || process->output < 0 || process->log < 0 ||
@@ -116,6 +132,12 @@ bool process_await(process_t* process, const char* mark, int wake_fd, char* afte
     }
     snprintf(error, error_size, "%s did not say '%s' within %d s", process->name, mark, PATIENCE_MS / 1000);
     return false;
+}
+
+int process_wait(process_t* process) {
+    if (process->pid > 0) waitpid(process->pid, &process->status, 0);
+    process->pid = 0;
+    return WIFEXITED(process->status) ? WEXITSTATUS(process->status) : -1;
 }
 
 int process_end(process_t* process, bool kills) {

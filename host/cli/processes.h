@@ -12,6 +12,9 @@
 /// A path from the folder of this program.
 void process_path(const char* relative, char* path, size_t size);
 
+/// A program that the system has, by its path. @return false if there is none.
+bool process_find(const char* name, char* path, size_t size);
+
 /// A new file without a name; -1 with errno set if there is none to be had. A child can inherit it as a number alone.
 int process_scratch(void);
 
@@ -23,8 +26,8 @@ typedef struct {
     int output, log; ///< scratch files of its standard output and standard error; -1 = there are none
 } process_t;
 
-/// Starts the program `name` beside this one; argv[0] is set. `input` is its standard input, read from its start; -1
-/// for none.
+/// Starts the program `name` beside this one, or one by its whole path; argv[0] is set. `input` is its standard input,
+/// read from its start; -1 for none.
 /// @return false with a sentence in `error`.
 bool process_start(process_t* process, const char* name, char* const argv[], int input, char* error, size_t error_size);
 
@@ -37,6 +40,9 @@ bool process_await(process_t* process, const char* mark, int wake_fd, char* afte
 
 /// Whether it runs.
 bool process_runs(process_t* process);
+
+/// Waits until it has ended by itself. @return its exit code, -1 after a signal.
+int process_wait(process_t* process);
 
 /// Ends it: asks it to, and after 5 s no longer asks; at once if `kills`. @return its exit code, -1 after a signal.
 int process_end(process_t* process, bool kills);

@@ -299,6 +299,7 @@ bool report_flight_json(FILE* out, const void* report) {
     complete = complete && json_object_set_new(json, "plan", wire_to_json("plan_t", plan)) == 0;
     complete = complete && json_object_set_new(json, "execution", wire_to_json("execution_t", flight->end)) == 0;
     complete = complete && json_object_set(json, "legs", legs) == 0;
+    complete = complete && json_object_set_new(json, "flown", flown_to_json(flight->flown)) == 0;
     if (complete && flight->truth != NULL) {
         complete = json_object_set_new(json, "simulation",
                                        json_pack("{s:s?,s:s,s:O}", "conditions", flight->conditions, "seed",

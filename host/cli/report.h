@@ -10,6 +10,7 @@
 #include "lcm_ssv_execution_t.h"
 #include "lcm_ssv_plan_t.h"
 #include "lcm_ssv_task_t.h"
+#include "report/flown.h"
 #include "ssv/answer.h"
 
 /// A plan, the question that it answers, and the file that this came from.
@@ -43,9 +44,10 @@ typedef struct {
     report_plan_t plan; ///< that was flown
     const lcm_ssv_execution_t* end;
     const report_leg_t* legs; ///< one for each of the plan
-    int news_lost;            ///< messages of the flight that did not arrive
-    double wall_s;            ///< how long it took, by the clock on the wall
-    const json_t* truth;      ///< what the simulator says; NULL where there is none, as are the next two
+    const flown_t* flown;
+    int news_lost;       ///< messages of the flight that did not arrive
+    double wall_s;       ///< how long it took, by the clock on the wall
+    const json_t* truth; ///< what the simulator says; NULL where there is none, as are the next two
     const char* conditions;
     const char* seed;
 } report_flight_t;

@@ -9,12 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lcm_ssv_control_t.h"
 #include "lcm_ssv_execution_t.h"
 #include "lcm_ssv_plan_t.h"
 #include "lcm_ssv_planner_status_t.h"
 #include "lcm_ssv_quote_batch_t.h"
 #include "lcm_ssv_scenario_batch_t.h"
 #include "lcm_ssv_task_t.h"
+#include "lcm_ssv_vehicle_state_t.h"
 #include "names.h"
 
 /// Room for one message of any type without what it points to.
@@ -34,6 +36,7 @@ static const lcm_type_info_t* info_of(const char* type) {
         {"candidate_t", lcm_ssv_candidate_t_get_type_info},
         {"choice_t", lcm_ssv_choice_t_get_type_info},
         {"clearance_t", lcm_ssv_clearance_t_get_type_info},
+        {"control_t", lcm_ssv_control_t_get_type_info},
         {"event_t", lcm_ssv_event_t_get_type_info},
         {"execution_t", lcm_ssv_execution_t_get_type_info},
         {"leg_t", lcm_ssv_leg_t_get_type_info},
@@ -53,6 +56,7 @@ static const lcm_type_info_t* info_of(const char* type) {
         {"tank_t", lcm_ssv_tank_t_get_type_info},
         {"task_t", lcm_ssv_task_t_get_type_info},
         {"thruster_t", lcm_ssv_thruster_t_get_type_info},
+        {"vehicle_state_t", lcm_ssv_vehicle_state_t_get_type_info},
         {"vehicle_t", lcm_ssv_vehicle_t_get_type_info},
     };
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
@@ -497,9 +501,24 @@ static bool skip_message(const char* type, bytes_t* bytes) {
     return true;
 }
 
+static uint64_t read_hash(const void* data, size_t size) {
+    return size < 8 ? 0 : (uint64_t)read_u32(data) << 32 | read_u32((const uint8_t*)data + 4);
+}
+
 bool wire_is_message(const char* type, const void* data, size_t size) {
     bytes_t bytes = {data, size};
-    const uint64_t hash = size < 8 ? 0 : (uint64_t)read_u32(bytes.data) << 32 | read_u32(bytes.data + 4);
-    return skip(&bytes, 8) && hash == (uint64_t)info_of(type)->get_hash() && skip_message(type, &bytes) &&
-           bytes.size == 0;
+    return skip(&bytes, 8) && read_hash(data, size) == (uint64_t)info_of(type)->get_hash() &&
+           skip_message(type, &bytes) && bytes.size == 0;
 }
+
+bool wire_decode(const char* type, const void* data, size_t size, void* message) {
+    memset(message, 0, wire_struct_size(type));
+    return wire_is_message(type, data, size) && info_of(type)->decode(data, 0, (int)size, message) >= 0;
+}
+
+const char* wire_type_of(const char* const* types, const void* data, size_t size) {
+    while (*types != NULL && read_hash(data, size) != (uint64_t)info_of(*types)->get_hash()) types++;
+    return *types;
+}
+
+size_t wire_struct_size(const char* type) { return (size_t)info_of(type)->struct_size(); }

@@ -44,6 +44,16 @@ void wire_clear(const char* type, void* message);
 /// and look at none of it, so nothing else may read a message from outside before.
 bool wire_is_message(const char* type, const void* data, size_t size);
 
+/// Reads a message from bytes that may come from anywhere. Lists and texts are allocated; wire_clear frees them.
+/// @return false if they are none of this type, and the message empty.
+bool wire_decode(const char* type, const void* data, size_t size, void* message);
+
+/// The type among these, a list with NULL behind, whose hash the bytes begin with; NULL if none has it.
+const char* wire_type_of(const char* const* types, const void* data, size_t size);
+
+/// Bytes of memory that a message takes, without what it points to.
+size_t wire_struct_size(const char* type);
+
 /// The names of a type's fields. @return how many there are, at most `most`.
 int wire_field_names(const char* type, const char** names, int most);
 

@@ -276,7 +276,7 @@ static char* read_all(int file, const char* path, size_t* size, tree_error_t* er
     refuse(error, path,
            text == NULL ? "out of memory"
            : got < 0    ? strerror(errno)
-                        : "larger than 1 MiB, no file of ours is");
+                        : "larger than 4 MiB, no file of ours is");
     free(text);
     return NULL;
 }

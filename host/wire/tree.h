@@ -9,7 +9,7 @@
 #include <stdint.h>
 
 /// Largest text that is read [bytes].
-#define TREE_TEXT_MAX (1 << 20)
+#define TREE_TEXT_MAX (1 << 22)
 
 typedef enum { TREE_NULL, TREE_BOOLEAN, TREE_INTEGER, TREE_REAL, TREE_TEXT, TREE_LIST, TREE_MAP } tree_kind_t;
 

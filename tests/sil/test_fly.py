@@ -129,7 +129,8 @@ class Nominal(InFolder):
         done = self.fly(ON_AXIS, "--sim", "--format", "json", "--output", path)
         self.assertEqual(done.stdout, "")
         flight = json.loads(path.read_text())
-        self.assertEqual(list(flight), ["scenario", "scene", "plan", "execution", "legs", "simulation", "news_lost", "wall_s"])
+        self.assertEqual(list(flight), ["scenario", "scene", "plan", "execution", "legs", "flown", "simulation", "news_lost",
+                                        "wall_s"])
         self.assertEqual(len(flight["legs"]), flight["plan"]["num_legs"])
         for leg, planned in zip(flight["legs"], flight["plan"]["legs"]):
             self.assertEqual((leg["predicted"]["time_s"], leg["predicted"]["impulse_Ns"]),
