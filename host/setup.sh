@@ -200,6 +200,7 @@ ssv_setup() {
         if [[ -n ${SSV_LONG:-} ]]; then
             _ssv_fetch_environment coal
             _ssv_fetch_environment mavproxy
+            _ssv_fetch_environment schedules
         fi
     fi
     ssv_build "$SSV_BUILD" -DSSV_BUILD_TESTS=$tests

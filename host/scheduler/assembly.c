@@ -260,25 +260,29 @@ static void report_found(const assembly_t* assembly) {
                   assembly->bound == NULL ? 0 : assembly->share * bound_rest(assembly->bound, 0, 0, start));
 }
 
-/// Keeps the choices on the way to a better plan: they stand in `at` now, and nowhere later.
-static bool found(void* context, const htn_plan_t* plan) {
-    assembly_t* const assembly = context;
+/// The schedule of a plan, whose choices stand in `at` now, and nowhere later.
+static assembly_schedule_t schedule_of(assembly_t* assembly, const htn_plan_t* plan) {
     const assembly_t now = *assembly;
+    assembly_schedule_t schedule = {0};
     assembly->built = assembly->used = 0;
     assembly->num_built = assembly->pose = 0;
     assembly->last = (bound_last_t){-1, -1};
     assembly->spent = 0;
-    assembly->best = (assembly_schedule_t){0};
     for (int i = 0; i < plan->num_steps; i++) {
         if (plan->steps[i].task.kind != ASSEMBLE_PART) continue;
         const choice_t* const choice = &assembly->at[assembly->num_built].choice[plan->steps[i].task.argument[2]];
-        add_part(assembly, choice, &assembly->best);
+        add_part(assembly, choice, &schedule);
         fly_to_beam(assembly, choice);
         dock(assembly);
     }
-    const assembly_schedule_t best = assembly->best;
     *assembly = now;
-    assembly->best = best;
+    return schedule;
+}
+
+/// Keeps a better plan.
+static bool found(void* context, const htn_plan_t* plan) {
+    assembly_t* const assembly = context;
+    assembly->best = schedule_of(assembly, plan);
     report_found(assembly);
     return true;
 }
@@ -299,6 +303,13 @@ static bool make_room(assembly_t* assembly) {
         sound = sound && assembly->at[i].choice != NULL;
     }
     return sound;
+}
+
+static void assembly_close(assembly_t* assembly) {
+    for (int i = 0; i <= assembly->structure->num_slots; i++) free(assembly->at[i].choice);
+    free(assembly->questions);
+    free(assembly->answers);
+    free(assembly);
 }
 
 static double time_left_s(const assembly_t* assembly) {
@@ -353,20 +364,55 @@ static void search(assembly_t* assembly, assembly_result_t* result) {
     bound_close(assembly->bound);
 }
 
-bool assembly_schedule(const structure_t* structure, const assembly_prices_t* prices, const assembly_limits_t* limits,
-                       assembly_result_t* result) {
+static assembly_t* assembly_open(const structure_t* structure, const assembly_prices_t* prices,
+                                 const assembly_limits_t* limits) {
     assembly_t* const assembly = calloc(1, sizeof *assembly);
-    *result = (assembly_result_t){.status = HTN_NO_MEMORY};
-    if (assembly == NULL) return false;
+    if (assembly == NULL) return NULL;
     assembly->structure = structure;
     assembly->prices = prices;
     assembly->limits = limits;
     assembly->last = (bound_last_t){-1, -1};
     if (limits->clock_s != NULL) assembly->begun_s = limits->clock_s(limits->context);
-    if (make_room(assembly)) search(assembly, result);
-    for (int i = 0; i <= structure->num_slots; i++) free(assembly->at[i].choice);
-    free(assembly->questions);
-    free(assembly->answers);
-    free(assembly);
+    if (make_room(assembly)) return assembly;
+    assembly_close(assembly);
+    return NULL;
+}
+
+bool assembly_schedule(const structure_t* structure, const assembly_prices_t* prices, const assembly_limits_t* limits,
+                       assembly_result_t* result) {
+    assembly_t* const assembly = assembly_open(structure, prices, limits);
+    *result = (assembly_result_t){.status = HTN_NO_MEMORY};
+    if (assembly == NULL) return false;
+    search(assembly, result);
+    assembly_close(assembly);
     return result->status != HTN_NO_MEMORY;
+}
+
+// ---- Every decomposition --------------------------------------------------------------------------------------------
+
+typedef struct {
+    assembly_t* assembly;
+    bool (*told)(void* context, const assembly_schedule_t* schedule);
+    void* context;
+} each_t;
+
+static bool found_one(void* context, const htn_plan_t* plan) {
+    const each_t* const each = context;
+    const assembly_schedule_t schedule = schedule_of(each->assembly, plan);
+    return each->told(each->context, &schedule);
+}
+
+bool assembly_each(const structure_t* structure, const assembly_prices_t* prices,
+                   bool (*told)(void* context, const assembly_schedule_t* schedule), void* context) {
+    static const assembly_limits_t none = {0};
+    static const htn_task_t all = {ASSEMBLE_STRUCTURE, {0}};
+    assembly_t* const assembly = assembly_open(structure, prices, &none);
+    each_t each = {assembly, told, context};
+    const htn_limits_t limits = {.all = true, .found = found_one, .context = &each};
+    if (assembly == NULL) return false;
+    htn_result_t plan = htn_search(&domain, assembly, &all, 1, &limits);
+    const bool sound = !assembly->in_vain && plan.status != HTN_STOPPED && plan.status != HTN_NO_MEMORY;
+    free(plan.plan.steps);
+    assembly_close(assembly);
+    return sound;
 }

@@ -55,4 +55,9 @@ extern const htn_kind_t assembly_kinds[];
 bool assembly_schedule(const structure_t* structure, const assembly_prices_t* prices, const assembly_limits_t* limits,
                        assembly_result_t* result);
 
+/// Tells every decomposition of the structure, the bad ones too; for small structures. The schedule is lent. @return
+/// false if out of memory, if there were no prices to be had, or if `told` said so.
+bool assembly_each(const structure_t* structure, const assembly_prices_t* prices,
+                   bool (*told)(void* context, const assembly_schedule_t* schedule), void* context);
+
 #endif

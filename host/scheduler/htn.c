@@ -76,23 +76,23 @@ static double recall(const search_t* search, const unsigned char key[HTN_MAX_KEY
     return memory != NULL && memory->used ? memory->bound : 0;
 }
 
-/// Keeps the way to where the search is as the best plan.
+static double cost_of(const htn_plan_t* plan) { return plan->steps == NULL ? (double)INFINITY : plan->cost; }
+
+/// Tells the way to where the search is, and keeps it if it is the best plan.
 static void keep(search_t* search, double cost) {
-    htn_plan_t* plan = &search->result.plan;
-    const size_t size = (size_t)search->depth * sizeof *plan->steps;
-    htn_step_t* const steps = malloc(size > 0 ? size : 1);
-    if (steps == NULL) {
+    const size_t size = (size_t)search->depth * sizeof(htn_step_t);
+    const htn_plan_t plan = {search->depth, malloc(size > 0 ? size : 1), cost};
+    const bool is_best = cost < cost_of(&search->result.plan);
+    if (plan.steps == NULL) {
         search->out_of_memory = search->stopped = true;
         return;
     }
-    if (size > 0) memcpy(steps, search->trail, size);
-    free(plan->steps);
-    plan->num_steps = search->depth;
-    plan->steps = steps;
-    plan->cost = cost;
-    if (search->limits->found != NULL && !search->limits->found(search->limits->context, plan)) {
+    if (size > 0) memcpy(plan.steps, search->trail, size);
+    if (search->limits->found != NULL && !search->limits->found(search->limits->context, &plan)) {
         search->stopped = true;
     }
+    free(is_best ? search->result.plan.steps : plan.steps);
+    if (is_best) search->result.plan = plan;
 }
 
 static bool must_stop(search_t* search) {
@@ -105,8 +105,10 @@ static bool must_stop(search_t* search) {
     return search->stopped;
 }
 
+/// What a plan must cost less than to be of interest.
 static double best(const search_t* search) {
-    return search->result.plan.steps == NULL ? (double)INFINITY : search->result.plan.cost;
+    if (search->limits->all) return INFINITY;
+    return cost_of(&search->result.plan);
 }
 
 static double explore(search_t* search, const htn_agenda_t* agenda, double spent);
@@ -163,7 +165,8 @@ static double explore(search_t* search, const htn_agenda_t* agenda, double spent
     }
     double bound = domain->bound == NULL ? 0 : domain->bound(search->state, agenda);
     if (spent + bound >= best(search)) return bound;
-    const bool has_key = domain->memory_key != NULL && domain->memory_key(search->state, agenda, key);
+    const bool has_key =
+        !search->limits->all && domain->memory_key != NULL && domain->memory_key(search->state, agenda, key);
     if (has_key) {
         bound = fmax(bound, recall(search, key));
         if (spent + bound >= best(search)) {
@@ -197,7 +200,8 @@ htn_result_t htn_search(const htn_domain_t* domain, void* state, const htn_task_
         }
         if (limits->clock_s != NULL) search.begun_s = limits->clock_s(limits->context);
         const double bound = explore(&search, num_tasks > 0 ? cells : NULL, 0);
-        search.result.lower_bound = search.stopped ? fmin(bound, best(&search)) : best(&search);
+        search.result.lower_bound =
+            search.stopped ? fmin(bound, cost_of(&search.result.plan)) : cost_of(&search.result.plan);
         search.result.status = search.out_of_memory               ? HTN_NO_MEMORY
                                : search.stopped                   ? HTN_STOPPED
                                : search.result.plan.steps != NULL ? HTN_OPTIMAL

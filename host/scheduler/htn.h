@@ -100,6 +100,8 @@ typedef struct {
     size_t max_memories; ///< states that are remembered
     double (*clock_s)(void* context);
     double time_limit_s; ///< from the call on, by that clock
+    /// Tells every plan, good or bad, and leaves nothing out: for tasks with few plans.
+    bool all;
     /// Called with each plan that is better than all before; the plan is lent. @return whether to go on.
     bool (*found)(void* context, const htn_plan_t* plan);
     void* context; ///< of the two

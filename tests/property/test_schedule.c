@@ -8,24 +8,16 @@
 #include "pricing.h"
 #include "sample.h"
 #include "ssv/answer.h"
+#include "structures.h"
 #include "sweep.h"
 #include "unity.h"
 
 // Structure k starts with sample_seed(SEED + k).
 #define SEED 20261129
 #define SLOTS 3
-#define HOST_DIR SSV_SOURCE_DIR "/host"
 
 void setUp(void) {}
 void tearDown(void) {}
-
-static structure_t ease;
-
-static void read_ease(void) {
-    char error[512];
-    const bool sound = structure_read(&ease, HOST_DIR "/structures/ease.yaml", HOST_DIR "/models", error, sizeof error);
-    TEST_ASSERT_TRUE_MESSAGE(sound, error);
-}
 
 static void numbers_of_vector(vec3_t v, double n[3]) {
     n[0] = real_to_double(v.x);
@@ -40,51 +32,9 @@ static void numbers_of_attitude(quat_t q, double n[4]) {
     n[3] = real_to_double(q.z);
 }
 
-static bool share_a_hub(const structure_slot_t* a, const structure_slot_t* b) {
-    return a->hub[0] == b->hub[0] || a->hub[0] == b->hub[1] || a->hub[1] == b->hub[0] || a->hub[1] == b->hub[1];
-}
-
-static void find_touching(structure_t* structure) {
-    for (int s = 0; s < structure->num_slots; s++) {
-        structure->slot[s].touches = 0;
-        for (int k = 0; k < structure->num_slots; k++) {
-            if (k != s && share_a_hub(&structure->slot[s], &structure->slot[k])) {
-                structure->slot[s].touches |= UINT64_C(1) << k;
-            }
-        }
-    }
-}
-
-/// Three slots of EASE and three or four beams that lie beside it anyhow; rules, weights and start at random.
 static structure_t sample_structure(int number) {
-    structure_t s = ease;
     sample_seed(SEED + (uint64_t)number);
-    s.num_slots = SLOTS;
-    s.num_beams = SLOTS + sample_below(2);
-    for (int i = 0; i < SLOTS; i++) {
-        int taken;
-        do {
-            taken = sample_below(ease.num_slots);
-            s.slot[i] = ease.slot[taken];
-            for (int k = 0; k < i; k++) taken = strcmp(s.slot[k].name, s.slot[i].name) == 0 ? -1 : taken;
-        } while (taken < 0);
-        for (int k = 0; k < i; k++) s.slot[i].after |= (uint64_t)(sample_below(4) == 0) << k;
-    }
-    find_touching(&s);
-    for (int b = 0; b < s.num_beams; b++) {
-        numbers_of_vector(sample_vector(3), s.beam[b].p_IB_m);
-        numbers_of_attitude(sample_attitude(), s.beam[b].q_IB);
-        s.beam[b].p_IB_m[0] -= 7;
-    }
-    s.slot[sample_below(SLOTS)].beam = sample_below(4) == 0 ? sample_below(s.num_beams) : -1;
-    numbers_of_vector(sample_vector(2), s.p_IS_m);
-    numbers_of_attitude(sample_attitude(), s.q_IS);
-    s.p_IS_m[1] += 7;
-    s.touching = sample_below(2) == 0;
-    s.obstacles = sample_below(3) != 0;
-    s.task.weight_time_per_s = sample_below(3) == 0 ? 0 : 1;
-    s.task.weight_impulse_per_Ns = s.task.weight_time_per_s > 0 && sample_below(2) == 0 ? 0.1 : 1;
-    return s;
+    return structures_sample(SLOTS);
 }
 
 static assembly_result_t scheduled(const structure_t* structure, int threads) {
@@ -148,7 +98,7 @@ static double least(judge_t* judge, pose_t X_IS, uint64_t built, uint64_t used, 
         const structure_slot_t* const slot = &structure->slot[s];
         bool allowed = (built >> s & 1) == 0 && (built & slot->after) == slot->after, touches = built == 0;
         for (int k = 0; k < structure->num_slots; k++) {
-            touches = touches || ((built >> k & 1) != 0 && share_a_hub(slot, &structure->slot[k]));
+            touches = touches || ((built >> k & 1) != 0 && structures_share_a_hub(slot, &structure->slot[k]));
         }
         allowed = allowed && (touches || !structure->touching);
         for (int b = 0; b < structure->num_beams && allowed; b++) {
@@ -265,7 +215,7 @@ static structure_t reordered(const structure_t* from, int number) {
         slot->after = 0;
         for (int k = 0; k < s.num_slots; k++) slot->after |= (from->slot[i].after >> k & 1) << slots[k];
     }
-    find_touching(&s);
+    structures_find_touching(&s);
     return s;
 }
 
@@ -340,7 +290,11 @@ static void test_the_number_of_threads_changes_nothing(void) {
 }
 
 int main(void) {
-    read_ease();
+    char error[512];
+    if (!structures_open(error, sizeof error)) {
+        fprintf(stderr, "%s\n", error);
+        return 1;
+    }
     UNITY_BEGIN();
     RUN_TEST(test_schedules_cost_what_the_best_of_all_orders_costs);
     RUN_TEST(test_order_and_names_in_the_file_have_no_part_in_the_cost);

@@ -333,12 +333,62 @@ static void test_what_cannot_be_done_has_no_plan(void) {
     free(result.plan.steps);
 }
 
+/// How many ways there are to come from here to the goal for the first time, in so many moves at most.
+static int count_ways(const blocks_t* blocks, int moves_left) {
+    int count = 0;
+    if (memcmp(blocks->on, blocks->goal, sizeof blocks->goal) == 0) return 1;
+    if (moves_left == 0) return 0;
+    for (int b = 0; b < blocks->count; b++) {
+        for (int to = TABLE; to < blocks->count; to++) {
+            bool free_to_go = b != to && blocks->on[b] != to;
+            for (int i = 0; i < blocks->count; i++) {
+                free_to_go = free_to_go && blocks->on[i] != b && (to == TABLE || blocks->on[i] != to);
+            }
+            if (!free_to_go) continue;
+            blocks_t next = *blocks;
+            next.on[b] = to;
+            count += count_ways(&next, moves_left - 1);
+        }
+    }
+    return count;
+}
+
+typedef struct {
+    int count;
+    double least;
+} told_t;
+
+static bool count_plan(void* context, const htn_plan_t* plan) {
+    told_t* told = context;
+    told->count++;
+    told->least = fmin(told->least, plan->cost);
+    return true;
+}
+
+static void test_all_plans_are_told_if_all_are_wanted(void) {
+    const htn_domain_t domain = domain_with(true, true);
+    for (int number = 0; number < 20; number++) {
+        blocks_t blocks = problem(number, 3);
+        told_t told = {0, INFINITY};
+        const htn_limits_t limits = {.all = true, .found = count_plan, .context = &told};
+        const htn_task_t task = {REBUILD, {0}};
+        blocks.moves_left = 4;
+        const int count = count_ways(&blocks, blocks.moves_left);
+        htn_result_t result = htn_search(&domain, &blocks, &task, 1, &limits);
+        TEST_ASSERT_EQUAL_INT(count, told.count);
+        TEST_ASSERT_EQUAL_INT(count > 0 ? HTN_OPTIMAL : HTN_NO_PLAN, result.status);
+        if (count > 0) TEST_ASSERT_TRUE(result.plan.cost == told.least);
+        free(result.plan.steps);
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_plans_cost_as_little_as_the_shortest_way_through_all_states);
     RUN_TEST(test_without_memory_the_plan_is_the_same);
     RUN_TEST(test_a_stopped_search_has_a_plan_and_a_bound_with_the_optimum_between);
     RUN_TEST(test_tasks_are_done_in_the_order_given);
+    RUN_TEST(test_all_plans_are_told_if_all_are_wanted);
     RUN_TEST(test_what_cannot_be_done_has_no_plan);
     return UNITY_END();
 }
