@@ -10,6 +10,7 @@
 #define CHANNEL_EXECUTE "SSV_EXECUTE"       ///< task_t, to the planner: plan it, answer on SSV_PLAN, and fly it
 #define CHANNEL_CONTROL "SSV_CONTROL"       ///< control_t, to the planner: stop, pause or go on with a flight
 #define CHANNEL_EXECUTION "SSV_EXECUTION"   ///< execution_t, how a flight gets on
+#define CHANNEL_SCHEDULE "SSV_SCHEDULE"     ///< schedule_t, in which order a structure is assembled
 #define CHANNEL_STATE "SSV_VEHICLE_STATE"   ///< vehicle_state_t, as estimated
 #define CHANNEL_TRUTH "SSV_VEHICLE_TRUTH"   ///< vehicle_state_t, as simulated
 

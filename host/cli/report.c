@@ -27,19 +27,20 @@ static bool set_task(json_t* json, const lcm_ssv_task_t* task) {
            json_object_set_new(json, "scene", wire_to_json("scene_t", &task->scene)) == 0;
 }
 
-bool report_plan_json(FILE* out, const void* report) {
-    const lcm_ssv_plan_t* plan = ((const report_plan_t*)report)->plan;
+json_t* report_plan_object(const report_plan_t* report) {
+    const lcm_ssv_plan_t* plan = report->plan;
     json_t* const json = json_object();
     bool complete = json != NULL;
-    if (plan->quote.status != LCM_SSV_QUOTE_T_STATUS_INVALID) {
-        complete = set_task(json, ((const report_plan_t*)report)->question);
-    }
+    if (plan->quote.status != LCM_SSV_QUOTE_T_STATUS_INVALID) complete = set_task(json, report->question);
     complete = complete && json_object_set_new(json, "plan", wire_to_json("plan_t", plan)) == 0;
-    if (!complete) {
-        json_decref(json);
-        return false;
-    }
-    return wire_json_write(out, json);
+    if (complete) return json;
+    json_decref(json);
+    return NULL;
+}
+
+bool report_plan_json(FILE* out, const void* plan) {
+    json_t* const json = report_plan_object(plan);
+    return json != NULL && wire_json_write(out, json);
 }
 
 static json_t* row_json(const report_quote_t* row) {
@@ -286,8 +287,7 @@ static json_t* leg_json(const lcm_ssv_leg_t* leg, const report_leg_t* flown) {
     return json;
 }
 
-bool report_flight_json(FILE* out, const void* report) {
-    const report_flight_t* flight = report;
+json_t* report_flight_object(const report_flight_t* flight) {
     const lcm_ssv_plan_t* plan = flight->plan.plan;
     json_t* const legs = json_array();
     bool complete = legs != NULL;
@@ -308,11 +308,14 @@ bool report_flight_json(FILE* out, const void* report) {
     complete = complete && json_object_set_new(json, "news_lost", json_integer(flight->news_lost)) == 0;
     complete = complete && json_object_set_new(json, "wall_s", json_real(flight->wall_s)) == 0;
     json_decref(legs);
-    if (!complete) {
-        json_decref(json);
-        return false;
-    }
-    return wire_json_write(out, json);
+    if (complete) return json;
+    json_decref(json);
+    return NULL;
+}
+
+bool report_flight_json(FILE* out, const void* flight) {
+    json_t* const json = report_flight_object(flight);
+    return json != NULL && wire_json_write(out, json);
 }
 
 static void flown_row(FILE* out, const char* phase, const char* kind, double time_s, double impulse_Ns,

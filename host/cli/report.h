@@ -57,6 +57,11 @@ bool report_touches(const json_t* truth);
 
 // Each takes a report_plan_t, a report_quotes_t or a report_flight_t.
 
+/// The same as an object, for a file with several; NULL if the answer holds a number that is not finite, or out of
+/// memory.
+json_t* report_plan_object(const report_plan_t* plan);
+json_t* report_flight_object(const report_flight_t* flight);
+
 /// Writes one JSON object; numbers have 17 digits, so reading them gives the same doubles. An answer with
 /// STATUS_INVALID is shown by its status and reason alone, with the question otherwise.
 /// @return false if the answer holds a number that is not finite, which JSON has no word for, or out of memory.

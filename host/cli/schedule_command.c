@@ -8,11 +8,15 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "announce.h"
 #include "ask.h"
 #include "commands.h"
+#include "line.h"
 #include "output.h"
+#include "report.h"
 #include "scheduler/assembly.h"
 #include "scheduler/pricing.h"
+#include "search_watch.h"
 #include "ssv/answer.h"
 #include "task_options.h"
 #include "wire/message.h"
@@ -117,43 +121,6 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
     }
 }
 
-// ---- The search, watched --------------------------------------------------------------------------------------------
-
-typedef struct {
-    pricing_t* pricing;
-    double begun_s, shown_s, best, bound, first_s;
-    bool on_terminal;
-} watch_t;
-
-static double now_s(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static double clock_s(void* context) {
-    watch_t* const watch = context;
-    const double now = now_s();
-    if (watch->on_terminal && now - watch->shown_s >= 0.2) {
-        const pricing_counts_t counts = pricing_counts(watch->pricing);
-        watch->shown_s = now;
-        fprintf(stderr, "ssv: %.0f s, ", now - watch->begun_s);
-        if (isfinite(watch->best)) fprintf(stderr, "best J %.1f, ", watch->best);
-        if (watch->bound > 0) {
-            fprintf(stderr, "bound %.1f (%.1f %%), ", watch->bound, 100 * (watch->best / watch->bound - 1));
-        }
-        fprintf(stderr, "%" PRIu64 " prices, %" PRIu64 " known   \r", counts.asked, counts.known);
-    }
-    return now;
-}
-
-static void found(void* context, double cost, double lower_bound) {
-    watch_t* const watch = context;
-    watch->bound = lower_bound;
-    if (!isfinite(watch->best)) watch->first_s = now_s() - watch->begun_s;
-    watch->best = cost;
-}
-
 // ---- The report -----------------------------------------------------------------------------------------------------
 
 /// One part as it will be flown.
@@ -162,7 +129,6 @@ typedef struct {
     double attach_height_m, clearance_m;
     int contact;
     bool has_clearance;
-    uint64_t scenario_hash, plan_hash;
 } flight_t;
 
 typedef struct {
@@ -173,48 +139,54 @@ typedef struct {
     pricing_counts_t counts;
     double wall_s, first_s;
     flight_t flight[STRUCTURE_MAX_SLOTS];
+    announce_t announce; ///< the schedule as the bus has it
+    json_t* tasks;       ///< each with its plan; NULL for people
 } report_t;
+
+/// Adds the task as `ssv plan` would write it, with its name. @return false if out of memory.
+static bool add_task(json_t* tasks, const report_t* report, int i, const lcm_ssv_task_t* task,
+                     const lcm_ssv_plan_t* plan) {
+    const assembly_part_t* const part = &report->result->best.part[i];
+    const report_plan_t planned = {report->shown, task, plan, false};
+    json_t* const json = report_plan_object(&planned);
+    return json != NULL &&
+           json_object_set_new(json, "name",
+                               json_sprintf("%s to %s", report->structure->beam[part->beam].name,
+                                            report->structure->slot[part->slot].name)) == 0 &&
+           json_array_append_new(tasks, json) == 0;
+}
 
 /// Plans the parts, which must cost what they were priced at.
 static bool plan_parts(const pricing_t* pricing, report_t* report) {
-    static ssv_plan_t plan;
-    static ssv_work_t work;
-    static ssv_scene_t scene;
+    static ssv_answer_t answer;
+    static lcm_ssv_task_t task;
+    const lcm_ssv_planner_t planner = ssv_planner_identity(0);
+    const lcm_ssv_plan_t* const plan = &answer.wire;
     const assembly_schedule_t* const schedule = &report->result->best;
-    ssv_scene_from_wire(&scene, pricing_scene(pricing));
+    task.scene = *pricing_scene(pricing);
     for (int i = 0; i < schedule->num_parts; i++) {
-        const lcm_ssv_scenario_t wire = pricing_scenario(pricing, &schedule->part[i].question);
         flight_t* const flight = &report->flight[i];
-        ssv_scenario_t scenario;
-        ssv_problem_t problem;
-        ssv_fault_t fault;
-        ssv_scenario_from_wire(&scenario, &wire, &scene);
-        if (ssv_problem_init(&problem, &scenario, &fault) != SSV_OK || ssv_plan(&problem, &work, &plan) != SSV_OK ||
-            real_to_double(plan.quote.cost) != schedule->part[i].price.cost) {
+        lcm_ssv_schedule_part_t* const part = &report->announce.part[i];
+        task.scenario = pricing_scenario(pricing, &schedule->part[i].question);
+        ssv_answer(&task, &planner, &answer);
+        if (plan->quote.status != LCM_SSV_QUOTE_T_STATUS_OK || plan->quote.cost != schedule->part[i].price.cost) {
             fprintf(stderr, "ssv: part %d is priced at %.9g, but its plan says otherwise\n", i + 1,
                     schedule->part[i].price.cost);
             return false;
         }
-        *flight = (flight_t){.attach_height_m = real_to_double(plan.quote.choice.attach_height_m),
-                             .contact = plan.quote.choice.contact,
-                             .clearance_m = real_to_double(plan.clearance.seen_m),
-                             .has_clearance = plan.clearance.obstacle != SSV_OBSTACLE_NONE,
-                             .scenario_hash = plan.quote.scenario_hash,
-                             .plan_hash = plan.plan_hash};
-        for (int k = 0; k < plan.num_legs; k++) {
-            flight->time_s[plan.leg[k].phase] += real_to_double(plan.leg[k].duration_s);
-            flight->impulse_Ns[plan.leg[k].phase] += real_to_double(plan.leg[k].impulse_Ns);
+        *flight = (flight_t){.attach_height_m = plan->quote.choice.attach_height_m,
+                             .contact = plan->quote.choice.contact,
+                             .clearance_m = plan->clearance.seen_m,
+                             .has_clearance = plan->clearance.obstacle != LCM_SSV_CLEARANCE_T_OBSTACLE_NONE};
+        part->scenario_hash = plan->quote.scenario_hash;
+        part->plan_hash = plan->plan_hash;
+        for (int k = 0; k < plan->num_legs; k++) {
+            flight->time_s[plan->legs[k].phase] += plan->legs[k].duration_s;
+            flight->impulse_Ns[plan->legs[k].phase] += plan->legs[k].impulse_Ns;
         }
+        if (report->tasks != NULL && !add_task(report->tasks, report, i, &task, plan)) return false;
     }
     return true;
-}
-
-static void sum_up(const assembly_schedule_t* schedule, double* time_s, double* impulse_Ns) {
-    *time_s = *impulse_Ns = 0;
-    for (int i = 0; i < schedule->num_parts; i++) {
-        *time_s += schedule->part[i].price.time_s;
-        *impulse_Ns += schedule->part[i].price.impulse_Ns;
-    }
 }
 
 static void tree_lines(FILE* out, const report_t* report) {
@@ -257,11 +229,10 @@ static bool report_table(FILE* out, const void* content) {
     const report_t* const report = content;
     const structure_t* const structure = report->structure;
     const assembly_schedule_t* const schedule = &report->result->best;
-    double time_s = 0, impulse_Ns = 0, sum = 0;
-    sum_up(schedule, &time_s, &impulse_Ns);
+    double sum = 0;
     fprintf(out, "%s: J = %.9g /s x %.3f s + %.9g /(N s) x %.3f N s = %.3f\n", report->shown,
-            structure->task.weight_time_per_s, time_s, structure->task.weight_impulse_per_Ns, impulse_Ns,
-            schedule->cost);
+            structure->task.weight_time_per_s, report->announce.wire.time_s, structure->task.weight_impulse_per_Ns,
+            report->announce.wire.impulse_Ns, schedule->cost);
     quality_lines(out, report);
     fprintf(out, "\n  %2s  %-16s %-20s %10s %12s %12s %12s %9s %9s\n", "", "beam", "slot", "time s", "impulse N s", "J",
             "sum of J", "height m", "clear m");
@@ -303,32 +274,33 @@ static json_t* phase_json(const flight_t* flight, ssv_phase_t phase) {
 static json_t* part_json(const report_t* report, int i) {
     const assembly_part_t* const part = &report->result->best.part[i];
     const flight_t* const flight = &report->flight[i];
+    const lcm_ssv_schedule_part_t* const told = &report->announce.part[i];
     return json_pack("{s:s,s:s,s:s,s:f,s:f,s:f,s:i,s:f,s:o,s:o,s:o,s:[o,o]}", "task", "assemble-part", "beam",
                      report->structure->beam[part->beam].name, "slot", report->structure->slot[part->slot].name, "cost",
                      part->price.cost, "time_s", part->price.time_s, "impulse_Ns", part->price.impulse_Ns, "contact",
                      flight->contact, "attach_height_m", flight->attach_height_m, "clearance_m",
                      flight->has_clearance ? json_real(flight->clearance_m) : json_null(), "scenario_hash",
-                     hash_json(flight->scenario_hash), "plan_hash", hash_json(flight->plan_hash), "subtasks",
-                     phase_json(flight, SSV_TRANSIT), phase_json(flight, SSV_TRANSFER));
+                     hash_json((uint64_t)told->scenario_hash), "plan_hash", hash_json((uint64_t)told->plan_hash),
+                     "subtasks", phase_json(flight, SSV_TRANSIT), phase_json(flight, SSV_TRANSFER));
 }
 
 static bool report_json(FILE* out, const void* content) {
     const report_t* const report = content;
     const assembly_result_t* const result = report->result;
-    double time_s = 0, impulse_Ns = 0;
     json_t* const parts = json_array();
     for (int i = 0; i < result->best.num_parts; i++) json_array_append_new(parts, part_json(report, i));
-    sum_up(&result->best, &time_s, &impulse_Ns);
     return wire_json_write(
-        out, json_pack("{s:{s:s,s:f,s:f,s:f,s:b,s:f,s:f,s:f,s:o,s:s,s:o},s:{s:I,s:I,s:i,s:I,s:I,s:i,s:f,s:f}}",
-                       "schedule", "structure", report->shown, "cost", result->best.cost, "time_s", time_s,
-                       "impulse_Ns", impulse_Ns, "optimal", result->status == HTN_OPTIMAL, "lower_bound",
-                       result->lower_bound, "relied_share", result->relied_share, "lowest_share", result->lowest_share,
-                       "greedy_cost", result->greedy.num_parts > 0 ? json_real(result->greedy.cost) : json_null(),
-                       "task", "assemble-structure", "subtasks", parts, "search", "prices",
-                       (json_int_t)report->counts.asked, "known", (json_int_t)report->counts.known, "poses",
-                       report->counts.poses, "states", (json_int_t)result->states, "nodes", (json_int_t)result->nodes,
-                       "threads", report->counts.threads, "first_s", report->first_s, "wall_s", report->wall_s));
+        out,
+        json_pack("{s:{s:s,s:f,s:f,s:f,s:b,s:f,s:f,s:f,s:o,s:s,s:o},s:{s:I,s:I,s:i,s:I,s:I,s:i,s:f,s:f},s:O}",
+                  "schedule", "structure", report->shown, "cost", result->best.cost, "time_s",
+                  report->announce.wire.time_s, "impulse_Ns", report->announce.wire.impulse_Ns, "optimal",
+                  result->status == HTN_OPTIMAL, "lower_bound", result->lower_bound, "relied_share",
+                  result->relied_share, "lowest_share", result->lowest_share, "greedy_cost",
+                  result->greedy.num_parts > 0 ? json_real(result->greedy.cost) : json_null(), "task",
+                  "assemble-structure", "subtasks", parts, "search", "prices", (json_int_t)report->counts.asked,
+                  "known", (json_int_t)report->counts.known, "poses", report->counts.poses, "states",
+                  (json_int_t)result->states, "nodes", (json_int_t)result->nodes, "threads", report->counts.threads,
+                  "first_s", report->first_s, "wall_s", report->wall_s, "tasks", report->tasks));
 }
 
 // ---- The command ----------------------------------------------------------------------------------------------------
@@ -361,7 +333,16 @@ static int conclude(const arguments_t* arguments, const pricing_t* pricing, repo
                                               : "no schedule was found in time");
         return EXIT_INFEASIBLE;
     }
+    char error[512];
+    if (!announce_begin(&report->announce, report->structure, report->shown, result, error, sizeof error)) {
+        fprintf(stderr, "ssv: %s\n", error);
+        return EXIT_FAILED;
+    }
     if (!plan_parts(pricing, report)) return EXIT_FAILED;
+    if (arguments->over_lcm && !announce_tell(&report->announce, arguments->lcm_url, error, sizeof error)) {
+        fprintf(stderr, "ssv: %s\n", error);
+        return EXIT_NO_ANSWER;
+    }
     return output_report(arguments->output_path, arguments->as_json ? report_json : report_table, report) ? EXIT_OK
                                                                                                           : EXIT_FAILED;
 }
@@ -391,9 +372,9 @@ static int schedule(const arguments_t* arguments, const structure_t* structure, 
     }
     pricing_t* const pricing =
         arguments->over_lcm ? pricing_open_elsewhere(structure, ask_remote, &remote) : pricing_open(structure, 0);
-    watch_t watch = {.pricing = pricing, .begun_s = now_s(), .best = INFINITY, .on_terminal = isatty(STDERR_FILENO)};
+    search_watch_t watch = search_watch_begin(pricing);
     const assembly_prices_t prices = {pricing_ask, pricing};
-    const assembly_limits_t limits = {clock_s, arguments->time_limit_s, found, &watch};
+    const assembly_limits_t limits = {search_watch_clock_s, arguments->time_limit_s, search_watch_found, &watch};
     if (pricing == NULL) {
         fprintf(stderr, "ssv: out of memory\n");
         ask_prices_close(remote.line);
@@ -405,16 +386,19 @@ static int schedule(const arguments_t* arguments, const structure_t* structure, 
         return EXIT_INVALID;
     }
     const bool sound = assembly_schedule(structure, &prices, &limits, &result);
-    if (watch.on_terminal) fprintf(stderr, "\r%*s\r", 78, "");
-    report_t report = {.shown = shown,
-                       .error = remote.error,
-                       .structure = structure,
-                       .result = &result,
-                       .counts = pricing_counts(pricing),
-                       .wall_s = now_s() - watch.begun_s,
-                       .first_s = watch.first_s};
+    search_watch_end(&watch);
+    static report_t report;
+    report = (report_t){.shown = shown,
+                        .error = remote.error,
+                        .structure = structure,
+                        .result = &result,
+                        .counts = pricing_counts(pricing),
+                        .wall_s = line_now_s() - watch.begun_s,
+                        .first_s = watch.first_s,
+                        .tasks = arguments->as_json ? json_array() : NULL};
     if (!sound) fprintf(stderr, "ssv: out of memory\n");
     const int code = sound ? conclude(arguments, pricing, &report) : EXIT_FAILED;
+    json_decref(report.tasks);
     pricing_close(pricing);
     ask_prices_close(remote.line);
     return code;

@@ -254,20 +254,32 @@ static bool be_greedy(assembly_t* assembly, assembly_schedule_t* schedule) {
 
 static void report_found(const assembly_t* assembly) {
     const assembly_limits_t* const limits = assembly->limits;
-    const bound_last_t start = {-1, -1};
+    const structure_t* const structure = assembly->structure;
+    const bound_last_t start = {-1, structure->left};
     if (limits->found == NULL) return;
     limits->found(limits->context, assembly->best.cost,
-                  assembly->bound == NULL ? 0 : assembly->share * bound_rest(assembly->bound, 0, 0, start));
+                  assembly->bound == NULL
+                      ? 0
+                      : assembly->share * bound_rest(assembly->bound, structure->stands, structure->gone, start));
+}
+
+/// Where the vehicle starts, with what stands then.
+static void begin(assembly_t* assembly) {
+    const structure_t* const structure = assembly->structure;
+    assembly->built = structure->stands;
+    assembly->used = structure->gone;
+    assembly->num_built = 0;
+    for (int s = 0; s < structure->num_slots; s++) assembly->num_built += (int)(structure->stands >> s & 1);
+    assembly->pose = 0;
+    assembly->last = (bound_last_t){-1, structure->left};
+    assembly->spent = 0;
 }
 
 /// The schedule of a plan, whose choices stand in `at` now, and nowhere later.
 static assembly_schedule_t schedule_of(assembly_t* assembly, const htn_plan_t* plan) {
     const assembly_t now = *assembly;
     assembly_schedule_t schedule = {0};
-    assembly->built = assembly->used = 0;
-    assembly->num_built = assembly->pose = 0;
-    assembly->last = (bound_last_t){-1, -1};
-    assembly->spent = 0;
+    begin(assembly);
     for (int i = 0; i < plan->num_steps; i++) {
         if (plan->steps[i].task.kind != ASSEMBLE_PART) continue;
         const choice_t* const choice = &assembly->at[assembly->num_built].choice[plan->steps[i].task.argument[2]];
@@ -371,7 +383,7 @@ static assembly_t* assembly_open(const structure_t* structure, const assembly_pr
     assembly->structure = structure;
     assembly->prices = prices;
     assembly->limits = limits;
-    assembly->last = (bound_last_t){-1, -1};
+    begin(assembly);
     if (limits->clock_s != NULL) assembly->begun_s = limits->clock_s(limits->context);
     if (make_room(assembly)) return assembly;
     assembly_close(assembly);

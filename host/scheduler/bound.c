@@ -59,11 +59,12 @@ static bool add_node(bound_t* bound, node_t node) {
 
 /// All parts that may follow a node.
 static int questions_from(const structure_t* structure, const node_t* node, assembly_question_t* questions) {
-    const uint64_t used = node->last.beam < 0 ? 0 : UINT64_C(1) << node->last.beam;
+    const uint64_t used = structure->gone | (node->last.beam < 0 ? 0 : UINT64_C(1) << node->last.beam);
     int count = 0;
     for (int b = 0; b < structure->num_beams; b++) {
         for (int s = 0; s < structure->num_slots; s++) {
-            if (s == node->last.slot || !structure_may_take(structure, used, b, s)) continue;
+            if (s == node->last.slot || (structure->stands >> s & 1) != 0) continue;
+            if (!structure_may_take(structure, used, b, s)) continue;
             questions[count++] = (assembly_question_t){node->pose, b, s, -1, 0};
         }
     }

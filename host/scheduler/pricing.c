@@ -124,11 +124,13 @@ static void make_scene(pricing_t* pricing) {
     }
     for (int i = 0; i < structure->num_slots && structure->obstacles; i++) {
         const structure_slot_t* const slot = &structure->slot[i];
-        const structure_port_t* const port = &structure->hub[slot->hub[0]].port[slot->port[0]];
+        const structure_port_t* const at = (structure->stands >> i & 1) != 0
+                                               ? &structure->stands_at[i]
+                                               : &structure->hub[slot->hub[0]].port[slot->port[0]];
         lcm_ssv_obstacle_t* const beam = &scene->obstacles[scene->num_obstacles++];
         beam->kind = LCM_SSV_OBSTACLE_T_KIND_CAPSULE;
-        memcpy(beam->p_I_m, port->p_IP_m, sizeof beam->p_I_m);
-        memcpy(beam->axis_I, port->axis_I, sizeof beam->axis_I);
+        memcpy(beam->p_I_m, at->p_IP_m, sizeof beam->p_I_m);
+        memcpy(beam->axis_I, at->axis_I, sizeof beam->axis_I);
         beam->length_m = structure->task.beam.length_m;
         beam->radius_m = structure->task.beam.radius_m;
     }

@@ -545,6 +545,7 @@ bool structure_text_read(structure_t* structure, const char* path, const char* t
     tree_error_t error = {error_text, error_size};
     tree_memory_t memory = {NULL};
     memset(structure, 0, sizeof *structure);
+    structure->left = -1;
     error_text[0] = '\0';
     const char* const shown = strcmp(path, "-") == 0 ? "standard input" : path;
     reading_t reading = {

@@ -56,6 +56,10 @@ typedef struct {
     structure_slot_t slot[STRUCTURE_MAX_SLOTS];
     bool touching;  ///< whether each slot but the first must be at a hub of one that is built
     bool obstacles; ///< whether what stands is an obstacle: the hubs, and beams that are docked
+    // Where a part of it is assembled already; in what is read nothing is.
+    uint64_t stands, gone;                           ///< slots that have a beam, and beams that are used up, as bits
+    int left;                                        ///< slot of the beam that the vehicle stands at, or -1
+    structure_port_t stands_at[STRUCTURE_MAX_SLOTS]; ///< where the end of its beam really is, and which way that goes
 } structure_t;
 
 /// Whether the rules allow this slot next, some being built.

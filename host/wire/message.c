@@ -15,6 +15,7 @@
 #include "lcm_ssv_planner_status_t.h"
 #include "lcm_ssv_quote_batch_t.h"
 #include "lcm_ssv_scenario_batch_t.h"
+#include "lcm_ssv_schedule_t.h"
 #include "lcm_ssv_task_t.h"
 #include "lcm_ssv_vehicle_state_t.h"
 #include "names.h"
@@ -52,6 +53,8 @@ static const lcm_type_info_t* info_of(const char* type) {
         {"scenario_batch_t", lcm_ssv_scenario_batch_t_get_type_info},
         {"scenario_t", lcm_ssv_scenario_t_get_type_info},
         {"scene_t", lcm_ssv_scene_t_get_type_info},
+        {"schedule_part_t", lcm_ssv_schedule_part_t_get_type_info},
+        {"schedule_t", lcm_ssv_schedule_t_get_type_info},
         {"segment_t", lcm_ssv_segment_t_get_type_info},
         {"tank_t", lcm_ssv_tank_t_get_type_info},
         {"task_t", lcm_ssv_task_t_get_type_info},

@@ -24,15 +24,17 @@ const names_t names_outcome = {"execution_t",
                                8,
                                {"under_way", "docked", "missed", "strayed", "stopped", "halted", "refused", "silent"}};
 const names_t names_goal = {"execution_t", "goal", 2, {"mate", "dock"}};
+static const names_t of_part = {"schedule_part_t", "state", 4, {"waits", "flies", "stands", "failed"}};
 const names_t names_obstacle = {"obstacle_t", "kind", 2, {"capsule", "wall"}};
 const names_t names_tank = {"tank_t", "kind", 3, {"none", "box", "cylinder"}};
 const names_t names_body = {"clearance_t", "body", 2, {"vehicle", "beam"}};
 static const names_t of_candidate = {"candidate_t", "body", 2, {"vehicle", "beam"}};
 
 const names_t* names_of_field(const char* type, const char* field) {
-    static const names_t* const all[] = {&names_status, &names_phase,    &names_kind,   &names_ramp,  &names_event,
-                                         &names_method, &names_effort,   &names_scalar, &names_state, &names_outcome,
-                                         &names_goal,   &names_obstacle, &names_tank,   &names_body,  &of_candidate};
+    static const names_t* const all[] = {&names_status, &names_phase,   &names_kind,   &names_ramp,
+                                         &names_event,  &names_method,  &names_effort, &names_scalar,
+                                         &names_state,  &names_outcome, &names_goal,   &names_obstacle,
+                                         &names_tank,   &names_body,    &of_candidate, &of_part};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
         if (strcmp(all[i]->type, type) == 0 && strcmp(all[i]->field, field) == 0) {
             return all[i];

@@ -203,6 +203,21 @@ static void print_clearance(const sim_watch_t* watch) {
         nearest->t_s);
 }
 
+static void print_pose(const char* name, const rb_pose_t* X) {
+    printf("\"%s\": [%.17g, %.17g, %.17g, %.17g, %.17g, %.17g, %.17g]", name, X->p_m[0], X->p_m[1], X->p_m[2], X->q[0],
+           X->q[1], X->q[2], X->q[3]);
+}
+
+/// Where vehicle and beam are, and who holds the beam.
+static void print_end(const sim_world_t* world) {
+    static const char* const beams[] = {"waiting", "carried", "docked"};
+    printf(" \"end\": {\"beam\": \"%s\", ", beams[world->beam]);
+    print_pose("X_IS", &world->state.eta);
+    printf(", ");
+    print_pose("X_IB", &world->X_nB);
+    printf("},\n");
+}
+
 static double norm(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 static int report(const sil_t* sil) {
@@ -213,6 +228,7 @@ static int report(const sil_t* sil) {
     print_attempt("mate", sil, SSV_MATE);
     print_attempt("dock", sil, SSV_DOCK);
     print_clearance(&sil->watch);
+    print_end(&sil->world);
     printf(
         " \"phase\": %d, \"reason\": \"%s\", \"time_s\": %.6f, \"impulse_Ns\": %.9g, \"speed_m_s\": %.9g, "
         "\"rate_rad_s\": %.9g}\n",
