@@ -6,6 +6,7 @@
 #include "ask.h"
 #include "commands.h"
 #include "flight.h"
+#include "fly_structure.h"
 #include "output.h"
 #include "plan_command.h"
 #include "report.h"
@@ -21,6 +22,8 @@ static const char doc[] =
     "                                       current, weak thrusters, noise\n"
     "  ssv fly task.yaml --sim --rate 20    slow enough to watch, with lcm-spy, too\n"
     "  ssv fly task.yaml --sim --format json --output flight.json\n"
+    "  ssv fly host/structures/ease.yaml --sim\n"
+    "                                       a whole structure, beam after beam\n"
     "  ssv fly task.yaml --lcm              MOVES THE REAL VEHICLE of the planner\n"
     "                                       with a --link that is on the bus\n"
     "\n"
@@ -34,16 +37,22 @@ static const char doc[] =
     "of their keys. In disturbed water the scenario should leave the thrusters something to push back with: "
     "thrust_reserve: 0.2.\n"
     "\n"
+    "A structure file (host/FORMATS.md) is scheduled first, as by `ssv schedule`, in two minutes at most. Then each "
+    "beam "
+    "is planned from where the vehicle really is, past what really stands, and flown with a seed of its own, N, N + 1 "
+    "and so on. After a flight that fails what is left is scheduled anew, from there; a beam that was carried is let "
+    "go where it is. Three such flights in a row end it, with the exit code of the last one.\n"
+    "\n"
     "Without --sim, --lcm has the planner fly that hears its vehicle; it must be the only one on the bus that does. "
     "Ctrl-C stops the vehicle: it brakes, then gives no thrust; ssv waits for that and reports. A second Ctrl-C ends "
     "ssv "
     "at once, and leaves a real vehicle to its planner.\n"
     "\n"
     "Exit codes:\n"
-    "   0  docked\n"
-    "   2  the scenario or the conditions are refused: a file cannot be read, or a\n"
+    "   0  docked; of a structure: all of its beams\n"
+    "   2  the scenario, the structure or the conditions are refused: a file cannot be read, or a\n"
     "      key or a value is wrong; the message names it\n"
-    "   3  the scenario is sound, but there is no plan\n"
+    "   3  the scenario or structure is sound, but there is no plan\n"
     "   4  nobody answered over LCM, no planner hears a vehicle, the planner fell\n"
     "      silent, or LCM does not work here\n"
     "   5  the scenario is sound, but a number on the way to its plan does not fit\n"
@@ -56,17 +65,21 @@ static const char doc[] =
     "  64  wrong arguments\n"
     "   1  anything else, e.g. FILE cannot be written\n";
 
+static void warn_of_reserve(const task_options_t* options, const lcm_ssv_scenario_t* task) {
+    if (options->conditions == NULL || task->thrust_reserve > 0) return;
+    fprintf(stderr,
+            "ssv: this plan takes all that the thrusters have, and leaves nothing to push back with; "
+            "thrust_reserve: 0.2 in %s would\n",
+            options->shown[0]);
+}
+
 /// Has the plan flown and shows how it went. @return the exit code.
 static int fly(const task_options_t* options, lcm_ssv_task_t* question, const scenario_file_t* file,
                const lcm_ssv_plan_t* plan) {
     static flight_result_t result;
     const report_plan_t predicted = {options->shown[0], question, plan, false};
     flight_signals_t signals;
-    if (options->conditions != NULL && question->scenario.thrust_reserve <= 0) {
-        fprintf(stderr,
-                "ssv: this plan takes all that the thrusters have, and leaves nothing to push back with; "
-                "thrust_reserve: 0.2 in the scenario would\n");
-    }
+    warn_of_reserve(options, &question->scenario);
     if (!options->in_simulation) fprintf(stderr, "ssv: this moves a real vehicle; Ctrl-C stops it\n");
     if (!flight_take_signals(&signals)) return EXIT_FAILED;
     int code = flight_fly(options, &predicted, question, &signals, &result);
@@ -82,9 +95,31 @@ static int fly(const task_options_t* options, lcm_ssv_task_t* question, const sc
     return code;
 }
 
+/// Reads the structure and has it assembled. @return the exit code.
+static int assemble(const task_options_t* options) {
+    static structure_t structure;
+    char error[1024] = "out of memory";
+    char* const models = task_data_folder(SSV_MODELS_FROM_BIN);
+    if (!options->in_simulation) {
+        fprintf(stderr, "ssv: %s: a structure is flown in simulation alone; --sim does\n", options->shown[0]);
+        free(models);
+        return EXIT_USAGE;
+    }
+    const bool sound = models != NULL && structure_read(&structure, options->paths[0], models, error, sizeof error);
+    free(models);
+    if (!sound) {
+        fprintf(stderr, "ssv: %s\n", error);
+        return EXIT_INVALID;
+    }
+    task_override(options, &structure.task);
+    warn_of_reserve(options, &structure.task);
+    return fly_structure(options, &structure);
+}
+
 int fly_command(int argc, char** argv) {
     task_options_t options;
     task_options_parse(&options, doc, 1, TASK_FLOWN, argc, argv);
+    if (structure_is_meant(options.paths[0])) return assemble(&options);
 
     char error[1024];
     scenario_file_t file;

@@ -305,22 +305,6 @@ static bool report_json(FILE* out, const void* content) {
 
 // ---- The command ----------------------------------------------------------------------------------------------------
 
-/// Whether the planner takes the structure's numbers, as far as they are the same for every part.
-static bool check_task(const pricing_t* pricing, const char* shown) {
-    static ssv_scene_t scene;
-    const assembly_question_t first = {.left = -1};
-    const lcm_ssv_scenario_t wire = pricing_scenario(pricing, &first);
-    ssv_scenario_t scenario;
-    ssv_problem_t problem;
-    ssv_fault_t fault;
-    ssv_scene_from_wire(&scene, pricing_scene(pricing));
-    ssv_scenario_from_wire(&scenario, &wire, &scene);
-    if (ssv_problem_init(&problem, &scenario, &fault) == SSV_OK) return true;
-    fprintf(stderr, "ssv: %s: %s: %.9g: %s\n", shown, fault.field, real_to_double(fault.value),
-            ssv_status_str(fault.status));
-    return false;
-}
-
 static int conclude(const arguments_t* arguments, const pricing_t* pricing, report_t* report) {
     const assembly_result_t* const result = report->result;
     if (result->asked_in_vain) {
@@ -380,7 +364,9 @@ static int schedule(const arguments_t* arguments, const structure_t* structure, 
         ask_prices_close(remote.line);
         return EXIT_FAILED;
     }
-    if (!check_task(pricing, shown)) {
+    char refused[256];
+    if (!pricing_check(pricing, refused, sizeof refused)) {
+        fprintf(stderr, "ssv: %s: %s\n", shown, refused);
         pricing_close(pricing);
         ask_prices_close(remote.line);
         return EXIT_INVALID;

@@ -236,7 +236,9 @@ void task_options_parse(task_options_t* options, const char* doc, int max_paths,
                                            : use == TASK_FLOWN  ? flight_options
                                                                 : question_options,
                                 .parser = parse_option,
-                                .args_doc = max_paths == 1 ? "SCENARIO" : "SCENARIO...",
+                                .args_doc = use == TASK_FLOWN ? "SCENARIO|STRUCTURE"
+                                            : max_paths == 1  ? "SCENARIO"
+                                                              : "SCENARIO...",
                                 .doc = doc};
     input_t input = {options, max_paths, use};
     *options = (task_options_t){.timeout_s = 5,
@@ -273,7 +275,11 @@ bool task_read(const task_options_t* options, const char* path, scenario_file_t*
     if (!sound) {
         return false;
     }
-    lcm_ssv_scenario_t* const question = &task->scenario;
+    task_override(options, &task->scenario);
+    return true;
+}
+
+void task_override(const task_options_t* options, lcm_ssv_scenario_t* question) {
     if (options->weights_given) {
         question->weight_time_per_s = options->weights[0];
         question->weight_impulse_per_Ns = options->weights[1];
@@ -286,7 +292,6 @@ bool task_read(const task_options_t* options, const char* path, scenario_file_t*
     }
     question->options.want_candidates = question->options.want_candidates || options->want_candidates;
     question->options.want_front = question->options.want_front || options->want_front;
-    return true;
 }
 
 void task_explain(const task_options_t* options, const char* shown_path, const scenario_file_t* file,

@@ -45,6 +45,9 @@ char* task_data_folder(const char* from_bin);
 bool task_read(const task_options_t* options, const char* path, scenario_file_t* file, lcm_ssv_task_t* task,
                char* error, size_t error_size);
 
+/// What the options say of the question counts over what it says.
+void task_override(const task_options_t* options, lcm_ssv_scenario_t* question);
+
 /// A planner's reason for refusing the question, as a sentence that names what the user wrote: file and line, or
 /// option.
 void task_explain(const task_options_t* options, const char* shown_path, const scenario_file_t* file,

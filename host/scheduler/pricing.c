@@ -5,6 +5,7 @@
 #include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -138,6 +139,18 @@ static void make_scene(pricing_t* pricing) {
 }
 
 const lcm_ssv_scene_t* pricing_scene(const pricing_t* pricing) { return &pricing->wire_scene; }
+
+bool pricing_check(const pricing_t* pricing, char* error, size_t error_size) {
+    const assembly_question_t first = {.left = -1};
+    const lcm_ssv_scenario_t wire = pricing_scenario(pricing, &first);
+    ssv_scenario_t scenario;
+    ssv_problem_t problem;
+    ssv_fault_t fault;
+    ssv_scenario_from_wire(&scenario, &wire, &pricing->scene);
+    if (ssv_problem_init(&problem, &scenario, &fault) == SSV_OK) return true;
+    snprintf(error, error_size, "%s: %.9g: %s", fault.field, real_to_double(fault.value), ssv_status_str(fault.status));
+    return false;
+}
 
 static void price(const pricing_t* pricing, ssv_work_t* memory, work_t* work) {
     const lcm_ssv_scenario_t wire = pricing_scenario(pricing, &work->question);

@@ -34,6 +34,10 @@ pricing_t* pricing_open_elsewhere(const structure_t* structure,
 /// questions, however many threads there are. The context of assembly_prices_t is the pricing.
 bool pricing_ask(void* pricing, const assembly_question_t* questions, int count, assembly_price_t* prices);
 
+/// Whether the planner takes the structure's numbers, as far as they are the same for every part. @return false with
+/// what is wrong in `error`.
+bool pricing_check(const pricing_t* pricing, char* error, size_t error_size);
+
 /// A question as the planner is asked it, and what may stand around in all of them.
 lcm_ssv_scenario_t pricing_scenario(const pricing_t* pricing, const assembly_question_t* question);
 const lcm_ssv_scene_t* pricing_scene(const pricing_t* pricing);

@@ -540,6 +540,19 @@ static bool read_root(reading_t* reading, const char* path, const char* models_d
            read_precedence(reading) && check_places(reading);
 }
 
+bool structure_is_meant(const char* path) {
+    char ignored[256];
+    tree_error_t error = {ignored, sizeof ignored};
+    tree_memory_t memory = {NULL};
+    size_t size = 0;
+    char* const text = strcmp(path, "-") == 0 ? NULL : tree_file_read(path, &size, &error);
+    const tree_t* const root = text == NULL ? NULL : tree_from_yaml(&memory, &error, path, text, size);
+    const bool is_meant = root != NULL && root->kind == TREE_MAP && tree_get(root, "slots") != NULL;
+    tree_memory_free(&memory);
+    free(text);
+    return is_meant;
+}
+
 bool structure_text_read(structure_t* structure, const char* path, const char* text, size_t size,
                          const char* models_dir, char* error_text, size_t error_size) {
     tree_error_t error = {error_text, error_size};

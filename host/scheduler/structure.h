@@ -72,6 +72,10 @@ bool structure_may_take(const structure_t* structure, uint64_t used, int beam, i
 /// @return true; or false with a sentence in `error` that names file, line and key.
 bool structure_read(structure_t* structure, const char* path, const char* models_dir, char* error, size_t error_size);
 
+/// Whether a file, not standard input, is meant as a structure rather than as a scenario: it can be read, and has
+/// slots.
+bool structure_is_meant(const char* path);
+
 /// The same for the text of such a file, which is not opened.
 bool structure_text_read(structure_t* structure, const char* path, const char* text, size_t size,
                          const char* models_dir, char* error, size_t error_size);
