@@ -42,6 +42,14 @@ static vec3_t way_out_I(const ssv_guidance_t* guidance, pose_t X_IS) {
     return quat_apply(X_IS.q, vec3(REAL(-1), REAL(0), REAL(0)));
 }
 
+static real_t back_off_most_m(const ssv_guidance_t* guidance) {
+    return guidance->problem->around.counts ? BACK_OFF_NEAR_M : BACK_OFF_M;
+}
+
+static real_t backing_speed_m_s(const ssv_guidance_t* guidance) {
+    return guidance->back_off_m < back_off_most_m(guidance) ? BACK_OFF_M_S : REAL(0);
+}
+
 // Impulse of the timeline from t_s on for span_s, spread over dt_s: a thrust that jumps within a step would be off by
 // as much as it jumps, and a pair with a long lever remembers that.
 static void spread_thrust(const ssv_plan_t* plan, real_t t_s, real_t span_s, real_t dt_s,
@@ -80,7 +88,7 @@ static ssv_reference_t reference_at_place(const ssv_guidance_t* guidance) {
     ssv_reference_t reference = {place(guidance), zero(), zero(), {REAL(0)}};
     const vec3_t out_I = way_out_I(guidance, reference.X_IS);
     reference.X_IS.p = vec3_add(reference.X_IS.p, vec3_scale(guidance->back_off_m, out_I));
-    const real_t speed = guidance->state == SSV_GUIDANCE_BACKING_OFF ? BACK_OFF_M_S
+    const real_t speed = guidance->state == SSV_GUIDANCE_BACKING_OFF ? backing_speed_m_s(guidance)
                          : guidance->state == SSV_GUIDANCE_RETURNING ? -BACK_OFF_M_S
                                                                      : REAL(0);
     reference.v_S_m_s = vec3_scale(speed, quat_apply(quat_conj(reference.X_IS.q), out_I));
@@ -173,10 +181,12 @@ static void go_on(ssv_guidance_t* guidance, real_t dt_s, real_t rate) {
         guidance->plan_time_s = real_min(guidance->plan_time_s + real_mul(rate, dt_s), end_of_phase_s(guidance));
         if (guidance->plan_time_s >= end_of_phase_s(guidance)) enter(guidance, SSV_GUIDANCE_DWELLING);
     } else if (guidance->state == SSV_GUIDANCE_BACKING_OFF) {
-        guidance->back_off_m = real_min(guidance->back_off_m + way, BACK_OFF_M);
-        if (guidance->back_off_m >= BACK_OFF_M) {
-            enter(guidance, guidance->tries >= SSV_GUIDANCE_TRIES ? SSV_GUIDANCE_ABORTED : SSV_GUIDANCE_RETURNING);
-        }
+        guidance->back_off_m = real_min(guidance->back_off_m + way, back_off_most_m(guidance));
+        const bool there = guidance->back_off_m >= back_off_most_m(guidance);
+        const bool last = guidance->tries >= SSV_GUIDANCE_TRIES;
+        if (there) guidance->held_s += dt_s;
+        if (there && !last) enter(guidance, SSV_GUIDANCE_RETURNING);
+        if (there && last && guidance->held_s >= BACK_OFF_REST_S) enter(guidance, SSV_GUIDANCE_ABORTED);
     } else if (guidance->state == SSV_GUIDANCE_RETURNING) {
         guidance->back_off_m = real_max(guidance->back_off_m - way, REAL(0));
         if (guidance->back_off_m <= REAL(0)) enter(guidance, SSV_GUIDANCE_DWELLING);

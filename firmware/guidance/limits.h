@@ -41,9 +41,13 @@
 // Least time in the hold: the observer's transients must be over.
 #define DWELL_LEAST_S REAL(4)
 
-// Backing off: how far, how fast, how often.
+// Backing off: how far, how fast, how often. A plan keeps clear of what stands around on its own way alone, and behind
+// a beam that goes between two hubs there is little room: less far where anything stands.
 #define BACK_OFF_M REAL(0.3)
+#define BACK_OFF_NEAR_M REAL(0.1)
 #define BACK_OFF_M_S REAL(0.01)
+// After the last time it comes to rest for so long before it gives up: who is stopped in motion drifts on.
+#define BACK_OFF_REST_S REAL(15)
 #define SSV_GUIDANCE_TRIES 3
 
 #endif

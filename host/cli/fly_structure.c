@@ -204,8 +204,11 @@ static int fly_part(assembly_flight_t* flight) {
     row_t* const row = &flight->row[flight->num_rows++];
     char seed[32], error[1024];
     task_options_t options = *flight->options;
-    *row = (row_t){
-        .beam = part->beam, .slot = part->slot, .scheduled = part->price, .outcome = "not flown", .clearance_m = (double)NAN};
+    *row = (row_t){.beam = part->beam,
+                   .slot = part->slot,
+                   .scheduled = part->price,
+                   .outcome = "not flown",
+                   .clearance_m = (double)NAN};
     snprintf(seed, sizeof seed, "%llu",
              strtoull(options.seed == NULL ? "1" : options.seed, NULL, 10) + (unsigned long long)flight->num_rows - 1);
     options.seed = seed;
@@ -246,7 +249,7 @@ static int fly_part(assembly_flight_t* flight) {
 
 /// Whether another schedule may do better after such an end of a flight.
 static bool may_go_on(const assembly_flight_t* flight, int code) {
-    const bool failed = code == EXIT_MISSED || code == EXIT_ABORTED || code == EXIT_INFEASIBLE;
+    const bool failed = code == EXIT_MISSED || code == EXIT_ABORTED || code == EXIT_INFEASIBLE || code == EXIT_TOUCHED;
     return failed && flight->signals.count == 0 && flight->num_vain < TRIES_MAX && flight->num_rows < ROWS_MAX;
 }
 
@@ -268,6 +271,7 @@ static int assemble(assembly_flight_t* flight) {
         tell(flight);
         flight->next++;
         flight->num_vain = row->is_docked ? 0 : flight->num_vain + 1;
+        if (row->is_docked && code == EXIT_TOUCHED) code = EXIT_OK; // it is told in the end
         if (code != EXIT_OK && may_go_on(flight, code)) code = schedule(flight);
     }
     return code;
