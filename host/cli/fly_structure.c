@@ -18,6 +18,8 @@
 
 /// [s] Longest search for a schedule.
 #define SEARCH_LIMIT_S 120.0
+/// Prices that are asked for between two looks at whether it is to end.
+#define ASKED_MOST 64
 /// Flights in a row without a beam docked, after which no more are made.
 #define TRIES_MAX 3
 #define ROWS_MAX (TRIES_MAX * STRUCTURE_MAX_SLOTS)
@@ -57,6 +59,21 @@ typedef struct {
 
 static bool is_stopped(void* context) { return flight_count_signals(context) > 0; }
 
+/// Prices for the search, a few at a time.
+typedef struct {
+    pricing_t* pricing;
+    flight_signals_t* signals;
+} asked_t;
+
+static bool ask(void* context, const assembly_question_t* questions, int count, assembly_price_t* prices) {
+    const asked_t* const asked = context;
+    for (int i = 0; i < count; i += ASKED_MOST) {
+        const int more = count - i < ASKED_MOST ? count - i : ASKED_MOST;
+        if (is_stopped(asked->signals) || !pricing_ask(asked->pricing, &questions[i], more, &prices[i])) return false;
+    }
+    return true;
+}
+
 static void tell(const assembly_flight_t* flight) {
     char error[256];
     if (!announce_tell(&flight->announce, flight->options->lcm_url, error, sizeof error)) {
@@ -77,7 +94,8 @@ static int schedule(assembly_flight_t* flight) {
     search_watch_t watch = search_watch_begin(pricing);
     watch.gives_up = is_stopped;
     watch.context = &flight->signals;
-    const assembly_prices_t prices = {pricing_ask, pricing};
+    asked_t asked = {pricing, &flight->signals};
+    const assembly_prices_t prices = {ask, &asked};
     const assembly_limits_t limits = {search_watch_clock_s, SEARCH_LIMIT_S, search_watch_found, &watch};
     const bool sound = assembly_schedule(flight->structure, &prices, &limits, &flight->result);
     search_watch_end(&watch);
