@@ -1,7 +1,8 @@
 """The demo behind demo.sh: asks a planner of its own over LCM for the paper's case study, prints the paper's tables beside
-what comes back by the paper's method, and what method optimal saves. Then flies it in simulation, in rough water.
+what comes back by the paper's method, and what method optimal saves. Then flies it in simulation, in rough water, and writes the
+flight as a page.
 
-    python3 demo.py BIN_FOLDER
+    python3 demo.py BIN_FOLDER PAGE.html
 
 Exit codes: 0 every plan arrived and the flight docked, 1 one did not.
 """
@@ -292,7 +293,18 @@ def print_flight(bin_dir):
     print(done.stdout.split("\n", 1)[1].rstrip())
 
 
-def run(bin_dir):
+def write_page(bin_dir, page):
+    """The same flight once more, for it is the same to the last bit, as a page that opens in any browser."""
+    fly = [bin_dir / "ssv", "fly", "-", "--sim", "--conditions", "rough", "--format", "json"]
+    flight = subprocess.run(fly, input=for_rough_water(), capture_output=True, text=True, preexec_fn=end_with_demo)
+    report = [bin_dir / "ssv", "report", "-", "--output", page]
+    done = subprocess.run(report, input=flight.stdout, capture_output=True, text=True, preexec_fn=end_with_demo)
+    if done.returncode != 0:
+        raise Failed(f"The page of the flight could not be written.\n{flight.stderr}{done.stderr}")
+    print(f"\nSee it fly, in any browser: {page}")
+
+
+def run(bin_dir, page):
     with PAPER_TABLES.open() as file:
         paper_rows = list(csv.DictReader(file))
     with Planner(bin_dir) as planner:
@@ -315,19 +327,20 @@ def run(bin_dir):
             print_effort("by the paper's method", by_paper, planner)
             print_effort("by method optimal, effort best,", list(optimal.values()), planner)
             print_flight(bin_dir)
+            write_page(bin_dir, page)
         except Failed as failure:
             raise Failed(f"{failure}\nThe log of ssv-plannerd:\n{planner.log()}") from failure
 
 
 def main():
-    if len(sys.argv) != 2:
+    if len(sys.argv) != 3:
         sys.exit(__doc__)
     end_with(os.getppid(), signal.SIGTERM)
     # As an exception, a signal unwinds through the `with` block that stops the planner.
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda number, _: sys.exit(128 + number))
     try:
-        run(Path(sys.argv[1]))
+        run(Path(sys.argv[1]), Path(sys.argv[2]))
     except Failed as failure:
         sys.exit(str(failure))
     except KeyboardInterrupt:

@@ -18,7 +18,7 @@ static const char doc[] =
     "Plots a plan: its six thrusts, speed and clearance over time."
     "\vExamples:\n"
     "  ssv plot plan.json                       in the terminal\n"
-    "  ssv plot plan.json --output plan.svg     for paper; plan.csv and plan.gp beside\n"
+    "  ssv plot plan.json --output plan.svg     for paper, beside plan.csv, plan.gp\n"
     "  gnuplot plan.gp                          again, after a change of either\n"
     "\n"
     "FILE is what `ssv plan --format json` wrote, or several tasks one after the other as host/FORMATS.md tells. "
@@ -27,8 +27,8 @@ static const char doc[] =
     "\n"
     "Exit codes:\n"
     "   0  drawn\n"
-    "   2  FILE is refused: it cannot be read, a key or a value is wrong, or it holds\n"
-    "      no plan; the message names the place\n"
+    "   2  FILE is refused: it cannot be read, a key or a value is wrong, or it\n"
+    "      holds no plan; the message names the place\n"
     "  64  wrong arguments\n"
     "   1  anything else, e.g. there is no gnuplot, or a file cannot be written\n";
 

@@ -12,13 +12,12 @@
 
 static const char doc[] =
     "Shows a plan or a flight as a picture that moves: one HTML file with the scene in three dimensions, the thrusts "
-    "in step with "
-    "it, clearance, price and legs. It opens in any browser, from the disk and without a network."
+    "in step with it, clearance, price and legs. It opens in any browser, from the disk and without a network."
     "\vExamples:\n"
     "  ssv plan task.yaml --format json --output plan.json\n"
     "  ssv report plan.json --output plan.html\n"
     "  ssv plan task.yaml --format json | ssv report - --output plan.html\n"
-    "  ssv fly task.yaml --sim --conditions rough --format json --output flight.json\n"
+    "  ssv fly task.yaml --sim --format json --output flight.json\n"
     "  ssv report flight.json --output flight.html\n"
     "                                       what was flown beside what was planned\n"
     "\n"
@@ -28,8 +27,8 @@ static const char doc[] =
     "\n"
     "Exit codes:\n"
     "   0  written\n"
-    "   2  FILE is refused: it cannot be read, a key or a value is wrong, or it holds\n"
-    "      no plan; the message names the place\n"
+    "   2  FILE is refused: it cannot be read, a key or a value is wrong, or it\n"
+    "      holds no plan; the message names the place\n"
     "  64  wrong arguments\n"
     "   1  anything else, e.g. the page cannot be written\n";
 

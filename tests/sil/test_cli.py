@@ -230,7 +230,7 @@ class BadInputTest(InFolder):
             "unclosed.yaml": b"model: [paper\n",
             "two.yaml": PAPER_CASE.read_bytes() + b"---\n" + PAPER_CASE.read_bytes(),
             "deep.yaml": b"model: " + b"[" * 100000,
-            "huge.yaml": PAPER_CASE.read_bytes() + b"#" * (1 << 20),
+            "huge.yaml": PAPER_CASE.read_bytes() + b"#" * (4 << 20),
         }
         for name, content in contents.items():
             (self.folder / name).write_bytes(content)
@@ -695,7 +695,8 @@ class UsageTest(InFolder):
     def test_help_has_examples_and_every_exit_code(self):
         every = ["0", "1", "2", "3", "4", "5", "64"]
         for command, expected in (("plan", every), ("quote", every), ("scenario", ["0", "1", "2", "64"]), ("schedule", ["0", "1", "2", "3", "4", "64"]),
-                                  ("fly", sorted([*every, "6", "7", "8"]))):
+                                  ("fly", sorted([*every, "6", "7", "8"])), ("report", ["0", "1", "2", "64"]), ("plot", ["0", "1", "2", "64"]),
+                                  ("log", ["0", "1", "2", "64"]), ("watch", ["0", "1", "4", "64"])):
             done = ssv(command, "--help")
             self.assertEqual(done.returncode, 0)
             self.assertIn("Examples:", done.stdout)

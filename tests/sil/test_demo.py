@@ -81,9 +81,14 @@ class TablesTest(unittest.TestCase):
                     self.assertNotEqual(row["reason"], "")
 
     def test_the_demo_prints_tables_winners_gain_size_and_time(self):
-        done = subprocess.run([sys.executable, "-B", DEMO, BIN], capture_output=True, text=True, timeout=120,
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        page = Path(folder.name) / "demo.html"
+        done = subprocess.run([sys.executable, "-B", DEMO, BIN, page], capture_output=True, text=True, timeout=120,
                               env=ENVIRONMENT)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual(done.stdout.splitlines()[-1], f"See it fly, in any browser: {page}")
+        self.assertIn('"outcome":"docked"', page.read_text())
         for words in ("Table 5", "Table 6", "Table 7", "Why they differ",
                       "keeps clear by", "9 plans by the paper's method received over LCM", "thrust segments each, planned in",
                       "3 plans by method optimal, effort best, received over LCM", "flown s", "times real time",
@@ -121,7 +126,7 @@ class EndingTest(unittest.TestCase):
 
     def start(self):
         """The demo, and the processes that it started: the planner first."""
-        demo = subprocess.Popen([sys.executable, "-B", DEMO, self.bin], env=ENVIRONMENT, stdout=subprocess.DEVNULL,
+        demo = subprocess.Popen([sys.executable, "-B", DEMO, self.bin, self.bin / "demo.html"], env=ENVIRONMENT, stdout=subprocess.DEVNULL,
                                 stderr=subprocess.DEVNULL)
         self.addCleanup(demo.kill)
         wait_until(lambda: len(children_of(demo.pid)) == 2, "planner and ssv run")
@@ -139,8 +144,8 @@ class EndingTest(unittest.TestCase):
 
     def test_a_failure_is_told_with_the_planner_s_log_and_ends_with_1(self):
         self.fake_ssv("echo 'ssv: no luck' >&2; exit 4\n")
-        done = subprocess.run([sys.executable, "-B", DEMO, self.bin], capture_output=True, text=True, timeout=60,
-                              env=ENVIRONMENT)
+        done = subprocess.run([sys.executable, "-B", DEMO, self.bin, self.bin / "demo.html"], capture_output=True, text=True,
+                              timeout=60, env=ENVIRONMENT)
         self.assertEqual(done.returncode, 1)
         self.assertIn("ssv: no luck", done.stderr)
         self.assertIn("The log of ssv-plannerd", done.stderr)
