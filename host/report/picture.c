@@ -160,20 +160,24 @@ static double clock_at(const flown_track_t* estimate, double t_s) {
 }
 
 /// [time, pose of the vehicle, speed in m/s, rate in rad/s, 0 the beam lies, 1 it is mated, 2 docked, nearest pair,
-/// time of the plan, six thrusts].
-static json_t* flown_row_json(const flown_row_t* row, double plan_time_s, const track_t* track) {
+/// time of the plan, six thrusts]; of a truth without thrusts, of an estimate beside a truth without a pair.
+static json_t* flown_row_json(const flown_row_t* row, double plan_time_s, const track_t* track, bool is_truth,
+                              bool is_beside_truth) {
     const near_t near = track_near(track, plan_time_s, &row->X_IS, row->beam != FLOWN_LIES);
+    const bool has_pair = row->beam != FLOWN_DOCKED && !is_beside_truth;
     return json_pack("[f,o,f,f,i,o,f,o]", row->t_s, pose(&row->X_IS), row->speed_m_s, row->rate_rad_s, (int)row->beam,
-                     row->beam == FLOWN_DOCKED ? json_null() : near_json(&near), plan_time_s,
-                     numbers(row->u_N, SSV_NUM_THRUSTERS));
+                     has_pair ? near_json(&near) : json_null(), plan_time_s,
+                     numbers(row->u_N, is_truth ? 0 : SSV_NUM_THRUSTERS));
 }
 
 static json_t* flown_rows(const flown_track_t* from, const flown_t* flown, const track_t* track) {
     json_t* const list = json_array();
+    const bool is_truth = from == &flown->truth;
     for (int i = 0; i < from->count; i++) {
         const flown_row_t* const row = &from->row[i];
-        const double plan_time_s = from == &flown->estimate ? row->plan_time_s : clock_at(&flown->estimate, row->t_s);
-        json_array_append_new(list, flown_row_json(row, plan_time_s, track));
+        const double plan_time_s = is_truth ? clock_at(&flown->estimate, row->t_s) : row->plan_time_s;
+        json_array_append_new(list,
+                              flown_row_json(row, plan_time_s, track, is_truth, !is_truth && flown->truth.count > 0));
     }
     return list;
 }
@@ -188,7 +192,7 @@ static json_t* held(const flown_track_t* from) {
 json_t* picture_row(const track_t* track, const flown_t* flown, const lcm_ssv_vehicle_state_t* state, bool is_truth) {
     const flown_row_t row = flown_row_of(flown, state);
     return json_pack("{s:s,s:s,s:o,s:o}", "kind", "row", "track", is_truth ? "truth" : "estimate", "row",
-                     flown_row_json(&row, flown->plan_time_s, track), "held",
+                     flown_row_json(&row, flown->plan_time_s, track, is_truth, false), "held",
                      held(is_truth ? &flown->truth : &flown->estimate));
 }
 

@@ -8,10 +8,13 @@ const COLOUR = {
   transit: '#0072b2', transfer: '#e69f00', flown: '#009e73', estimate: '#cc79a7', below: '#d00000',
   hull: '#8fa3b5', beam: '#5a5a5a', obstacle: '#a9a9a9', ink: '#1a1a1a', tank: '#9db4c4'
 };
+const FADED = 0.2;            // how much is seen of the ways of other tasks
 const SPEEDS = [0.5, 1, 2, 5, 10, 20, 50, 100, 200];
 const BEAM_OBSTACLE = 64, TANK_OBSTACLE = 65;
+const HUB_OFF_M = 0.02;       // how far a beam's line passes by the middle of its hub, or an obstacle lies from the beam that it is
 const CLEARANCE_SHOWN_M = 1;  // what is farther away is of no interest
 const POINTS_SHOWN = 1500;    // of what was flown, in a plot
+const CLOCK_S = 1e-5;         // times have seven digits
 const DEG = 180 / Math.PI;
 // Columns of a row of a plan, and of one of a flight.
 const TIME = 0, POSE = 1, SPEED = 2, RATE = 3, LEG = 4, MATED = 5, NEAR = 6;
@@ -80,8 +83,8 @@ function planAt(task, t_s) {
     speed_m_s: row[SPEED] + part * (next[SPEED] - row[SPEED]),
     rate_rad_s: row[RATE] + part * (next[RATE] - row[RATE]),
     leg: row[LEG],
-    mated: t_s >= task.events_s[0],
-    docked: t_s >= task.events_s[1],
+    mated: t_s >= task.events_s[0] - CLOCK_S,
+    docked: t_s >= task.events_s[1] - CLOCK_S,
     near: part < 0.5 ? row[NEAR] : next[NEAR]
   };
 }
@@ -177,6 +180,9 @@ function taskAt(t_s) {
   return k;
 }
 
+/// Where a task left its beam.
+const leftBeam = (task) => flownRows(task) !== null ? flownAt(task, task.duration_s, {}).X_IB : poseOf(task.X_IB_final);
+
 /// Where everything is at a time of the page's clock.
 function stateAt(t_s) {
   const k = taskAt(t_s), task = shown[k], own_s = t_s - task.start_s;
@@ -184,23 +190,37 @@ function stateAt(t_s) {
   state.X_IB = state.docked ? poseOf(task.X_IB_final) : state.mated ? composed(state.X_IS, poseOf(task.X_SB)) : poseOf(task.X_IB_start);
   state.predicted_X_IB = state.X_IB;
   if (flownRows(task) !== null) flownAt(task, own_s, state);
-  state.beams = shown.map((other, i) => i === k ? state.X_IB : poseOf(i < k ? other.X_IB_final : other.X_IB_start));
+  state.beams = shown.map((other, i) => i === k ? state.X_IB : i < k ? leftBeam(other) : poseOf(other.X_IB_start));
   return state;
 }
 
 function obstacleName(task, number) {
   if (number === BEAM_OBSTACLE) return 'its beam';
   if (number === TANK_OBSTACLE) return "the tank's wall";
-  const obstacle = task.obstacles.find((one) => one.number === number);
-  return (obstacle && isHub(task, obstacle) ? 'hub, obstacle ' : 'obstacle ') + number;
+  const obstacle = task.obstacles.find((one) => one.number === number), carrier = obstacle ? carrierOf(obstacle) : -1;
+  if (carrier >= 0) return `the beam of task ${carrier + 1}`;
+  return (obstacle && isHub(obstacle) ? 'hub, obstacle ' : 'obstacle ') + number;
 }
 
-/// A ball behind the port, on its axis, is the hub that has it.
-function isHub(task, obstacle) {
+/// A ball that the line of a docked beam leads to, not far behind one of its ends, is a hub.
+function isHub(obstacle) {
   if (obstacle.kind !== 'capsule' || obstacle.length_m > 0) return false;
-  const back = new THREE.Vector3().fromArray(task.port.p_IP_m).sub(new THREE.Vector3().fromArray(obstacle.p_I_m));
-  const along_m = back.dot(new THREE.Vector3().fromArray(task.port.axis_I));
-  return along_m > 0 && back.length() - along_m < 1e-3 && along_m < 4 * Math.max(obstacle.radius_m, task.vehicle.radius_m);
+  return shown.some((task) => {
+    const from = new THREE.Vector3().fromArray(obstacle.p_I_m).sub(positionOf(task.X_IB_final));
+    const along_m = from.dot(new THREE.Vector3(0, 0, 1).applyQuaternion(attitudeOf(task.X_IB_final)));
+    const behind_m = Math.abs(along_m) - task.beam.length_m / 2;
+    return behind_m > 0 && behind_m < 4 * Math.max(obstacle.radius_m, task.vehicle.radius_m) &&
+      from.lengthSq() - along_m * along_m < HUB_OFF_M * HUB_OFF_M;
+  });
+}
+
+/// The number of the task that carries this obstacle, a beam that lies or is docked; -1 if none does.
+function carrierOf(obstacle) {
+  if (shown.length < 2 || obstacle.kind !== 'capsule') return -1;
+  const p = new THREE.Vector3().fromArray(obstacle.p_I_m)
+    .addScaledVector(new THREE.Vector3().fromArray(obstacle.axis_I), obstacle.length_m / 2);
+  return shown.findIndex((task) => Math.abs(obstacle.length_m - task.beam.length_m) < 0.05 &&
+    [task.X_IB_start, task.X_IB_final].some((X) => p.distanceTo(positionOf(X)) < HUB_OFF_M));
 }
 
 const isBelow = (task, distance_m) => distance_m < Math.max(task.margin_m, 0) - 1e-4;
@@ -389,41 +409,44 @@ function makeScene() {
   made.thickness_m = Math.max(0.004 * centre.radius, 0.03 * first.vehicle.radius_m);
   const label = (text, p, isSmall) => made.labels.push({text, p, isSmall, node: null});
 
-  made.beams = shown.map((task) => {
+  made.beams = shown.map((task, k) => {
     const beam = tube(task.beam.length_m, task.beam.radius_m, COLOUR.beam, 1, false);
     world.add(beam);
+    if (shown.length > 1) label(String(k + 1), beam.position, false);
     return beam;
   });
-  shown.forEach((task, k) => {
-    const name = shown.length > 1 ? ' ' + task.name : '';
-    for (const [X, word] of [[task.X_IB_start, 'start'], [task.X_IB_final, 'goal']]) {
-      const ghost = tube(task.beam.length_m, task.beam.radius_m, word === 'start' ? COLOUR.transit : COLOUR.transfer, 0.25, false);
-      place(ghost, poseOf(X));
-      world.add(ghost);
-      label(word + name, positionOf(X), shown.length > 1);
-    }
+  made.ghosts = shown.map((task) => [[task.X_IB_start, 'start'], [task.X_IB_final, 'goal']].map(([X, word]) => {
+    const ghost = tube(task.beam.length_m, task.beam.radius_m, word === 'start' ? COLOUR.transit : COLOUR.transfer, 0.25, false);
+    place(ghost, poseOf(X));
+    world.add(ghost);
+    if (shown.length === 1) label(word, positionOf(X), false);
+    return ghost;
+  }));
+  made.ways = shown.map((task, k) => {
     world.add(portBody(task.port, task.beam));
+    const ways = [];
     for (const phase of ['transit', 'transfer']) {
       const points = task.rows.filter((row) => task.legs[row[LEG]].phase === phase).map((row) => positionOf(row[POSE]));
       if (phase === 'transit') {
         const end = task.rows.find((row) => row[MATED] === 1);
         if (end) points.push(positionOf(end[POSE]));
       }
-      world.add(thickLine(points, (task.flight ? 0.5 : 1) * made.thickness_m, COLOUR[phase]));
+      ways.push(thickLine(points, (task.flight ? 0.5 : 1) * made.thickness_m, COLOUR[phase]));
     }
     if (k === 0) label('vehicle, start', positionOf(task.X_IS_start), true);
+    world.add(...ways);
+    return ways;
   });
 
   const obstacles = new Map();  // a beam that one task docks is an obstacle of the next, and drawn once
   for (const task of shown) for (const obstacle of task.obstacles) {
     const key = [obstacle.kind, obstacle.p_I_m, obstacle.axis_I, obstacle.length_m].join();
-    if (!obstacles.has(key) || isHub(task, obstacle)) obstacles.set(key, Object.assign({is_hub: isHub(task, obstacle)}, obstacle));
+    if (carrierOf(obstacle) < 0) obstacles.set(key, obstacle);
   }
   for (const obstacle of obstacles.values()) {
-    if (isDocked(obstacle)) continue;
     world.add(obstacleBody(obstacle, 1.2 * centre.radius));
     if (obstacle.kind !== 'wall') {
-      label(obstacle.is_hub ? 'hub' : 'obstacle ' + obstacle.number, new THREE.Vector3().fromArray(obstacle.p_I_m)
+      label(isHub(obstacle) ? 'hub' : 'obstacle ' + obstacle.number, new THREE.Vector3().fromArray(obstacle.p_I_m)
         .addScaledVector(new THREE.Vector3().fromArray(obstacle.axis_I), obstacle.length_m / 2), true);
     }
   }
@@ -461,34 +484,25 @@ function makeScene() {
 
 /// The ways that were flown, anew.
 function drawFlown() {
-  for (const line of scene.flown) {
+  for (const {line} of scene.flown) {
     scene.world.remove(line);
     if (line.geometry) line.geometry.dispose();
   }
   scene.flown = [];
-  for (const task of shown) {
+  shown.forEach((task, k) => {
     const rows = flownRows(task), points = (from) => someOf(from).map((row) => positionOf(row[POSE]));
-    if (rows === null) continue;
-    scene.flown.push(thickLine(points(rows), scene.thickness_m, COLOUR.flown));
-    if (rows !== task.flight.estimate.rows) scene.flown.push(thickLine(points(task.flight.estimate.rows), 0.4 * scene.thickness_m, COLOUR.estimate));
-  }
-  if (scene.flown.length > 0) scene.world.add(...scene.flown);
-}
-
-/// Whether an obstacle is a beam that a task of the same assembly carries there.
-function isDocked(obstacle) {
-  return shown.length > 1 && obstacle.kind === 'capsule' && shown.some((task) => {
-    const p = new THREE.Vector3().fromArray(obstacle.p_I_m)
-      .addScaledVector(new THREE.Vector3().fromArray(obstacle.axis_I), obstacle.length_m / 2);
-    return [task.X_IB_start, task.X_IB_final].some((X) => p.distanceTo(positionOf(X)) < 0.02) &&
-      Math.abs(obstacle.length_m - task.beam.length_m) < 0.05;
+    if (rows === null) return;
+    scene.flown.push({task: k, line: thickLine(points(rows), scene.thickness_m, COLOUR.flown)});
+    if (rows !== task.flight.estimate.rows) scene.flown.push({task: k, line: thickLine(points(task.flight.estimate.rows), 0.4 * scene.thickness_m, COLOUR.estimate)});
   });
+  if (scene.flown.length > 0) scene.world.add(...scene.flown.map(({line}) => line));
 }
 
 /// A line between two bodies, as thick as a thumb.
 function pairLine() {
   const line = new THREE.Mesh(new THREE.CylinderBufferGeometry(1, 1, 1, 8), new THREE.MeshBasicMaterial({color: COLOUR.below}));
   line.material.depthTest = false;
+  line.material.transparent = true;  // so it comes after the hull, which is
   line.renderOrder = 1;
   line.visible = false;
   return line;
@@ -502,7 +516,7 @@ function setPairLine(line, near, thickness_m, colour) {
   line.material.color.set(colour);
   line.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), along.divideScalar(length_m));
   line.position.copy(a).add(b).multiplyScalar(0.5);
-  line.scale.set(thickness_m, length_m, thickness_m);
+  line.scale.set(thickness_m, Math.max(length_m, 2 * thickness_m), thickness_m);  // to be seen from afar, too
 }
 
 /// Puts the camera where all of it can be seen from this direction.
@@ -556,11 +570,26 @@ function placeLabels() {
   }
 }
 
+/// Lets a line of thickLine show through, or not.
+function fade(line, opacity) {
+  if (!line.material || line.material.opacity === opacity) return;
+  line.material.opacity = opacity;
+  line.material.transparent = opacity < 1;
+  line.material.depthWrite = opacity === 1;
+  line.material.needsUpdate = true;
+}
+
 function drawScene(state) {
   const task = shown[state.task];
   const before = scene.vehicle.position.clone();
   place(scene.vehicle, state.X_IS);
-  state.beams.forEach((X, i) => place(scene.beams[i], X));
+  state.beams.forEach((X, i) => {
+    place(scene.beams[i], X);
+    const isTaken = i < state.task || (i === state.task && state.mated), stands = i < state.task || (i === state.task && state.docked);
+    [scene.ghosts[i][0].visible, scene.ghosts[i][1].visible] = [isTaken, !stands];
+    for (const way of scene.ways[i]) fade(way, i === state.task ? 1 : FADED);
+  });
+  for (const {task: of, line} of scene.flown) fade(line, of === state.task ? 1 : FADED);
   setThrusts(scene.arrows, task.vehicle, state.u_N);
   scene.tips.forEach((tip, i) => {
     tip.p.fromArray(task.vehicle.thrusters[i].p_ST_m).applyQuaternion(state.X_IS.q).add(state.X_IS.p);
@@ -579,7 +608,7 @@ function drawScene(state) {
   const near = state.near !== null && state.near[0] < CLEARANCE_SHOWN_M ? state.near : null;
   setPairLine(scene.near, near, thin_m, near !== null && isTooNear(task, near[0]) ? COLOUR.below : COLOUR.ink);
   const closest = task.clearance && isBelow(task, task.clearance.certified_m) ? planAt(task, task.clearance.t_s).near : null;
-  setPairLine(scene.closest, closest, 3 * thin_m, COLOUR.below);
+  setPairLine(scene.closest, closest, 4 * thin_m, COLOUR.below);
   if (follows) {
     const moved = state.X_IS.p.clone().sub(before);
     scene.camera.position.add(moved);
@@ -628,6 +657,7 @@ function addPlot(name, unit, rowsOf, options) {
     },
     dateWindow: [0, horizon_s],
     xRangePad: 0,
+    rightGap: options.isWide ? rightGap() : 5,
     underlayCallback: (canvas, area, g) => {
       shade(canvas, area, g);
       if (options.limit) {
@@ -640,6 +670,14 @@ function addPlot(name, unit, rowsOf, options) {
     clickCallback: (event, t_s) => setTime(t_s)
   });
   plots.push({graph, line, value, read: options.read, rowsOf, box});
+}
+
+/// What wide plots keep free at their right [pixels], so that one with a second axis has its times above those of the next.
+function rightGap() {
+  const first = plots.find((plot) => plot.box.classList.contains('wide'));
+  if (first === undefined) return 5;
+  const area = first.graph.getArea();
+  return first.graph.graphDiv.offsetWidth - area.x - area.w;
 }
 
 let isZooming = false;
@@ -763,9 +801,10 @@ function addStrayPlot() {
 // ---- Tables ---------------------------------------------------------------------------------------------------------
 
 function table(head, rows) {
-  const cell = (name, content, i) => element(name, {className: typeof content === 'number' || (i > 0 && /^[-+]?[\d.]+$/.test(content)) ? 'number' : ''}, String(content));
+  const isNumber = (content, i) => i > 0 && /^[-+]?[\d.]+$/.test(content instanceof Node ? content.textContent : content);
+  const cell = (content, i) => element('td', {className: isNumber(content, i) ? 'number' : ''}, content instanceof Node ? content : String(content));
   const body = element('tbody', {}, ...rows.map((row) => {
-    const tr = element('tr', {className: row.className || ''}, ...row.cells.map((content, i) => content instanceof Node ? element('td', {}, content) : cell('td', content, i)));
+    const tr = element('tr', {className: row.className || ''}, ...row.cells.map(cell));
     if (row.go) {
       tr.className = 'jump';
       tr.tabIndex = 0;
@@ -782,7 +821,7 @@ function clearanceText(task) {
   const c = task.clearance;
   if (c === null) return 'there is nothing around';
   const where = `leg ${c.leg + 1}, at ${fixed(c.t_s, 1)} s`, what = obstacleName(task, c.obstacle);
-  return c.certified_m < 0 ? `${millimetres(-c.certified_m)} too little: ${c.body} in ${what} (${where})` : `${millimetres(c.certified_m)} (${c.body} to ${what}, ${where})`;
+  return c.certified_m < 0 ? `${millimetres(-c.certified_m)} too little: ${c.body} in ${what} (${where})` : `${millimetres(c.certified_m)} at least (${c.body} to ${what}, ${where})`;
 }
 
 function priceTable(task) {
@@ -839,9 +878,9 @@ function flightFacts(task) {
 }
 
 function tasksTable() {
-  return table(['task', 'starts [s]', 'time [s]', 'J [-]', 'clear [m]'], shown.map((task) => ({
+  return table(['task', 'starts [s]', 'time [s]', 'J [-]', 'clear [m]'], shown.map((task, k) => ({
     go: () => setTime(task.start_s),
-    cells: [task.name, fixed(task.start_s, 1), fixed(task.price.time_s, 1), fixed(task.price.cost, 1),
+    cells: [`${k + 1}  ${task.name}`, fixed(task.start_s, 1), fixed(task.price.time_s, 1), fixed(task.price.cost, 1),
       task.clearance ? element('span', {className: isBelow(task, task.clearance.certified_m) ? 'below' : ''}, fixed(task.clearance.certified_m, 3)) : '-']
   })));
 }
@@ -876,9 +915,11 @@ function drawHead() {
   const sum = (pick) => shown.reduce((total, task) => total + pick(task), 0);
   document.title = data.title;
   byId('title').textContent = data.title;
-  const flights = live.isOn ? [] : shown.filter((task) => task.flight).map((task) => `${task.flight.outcome.replace('_', ' ')} after ${fixed(task.flight.flown_s, 1)} s and ` +
-    `${fixed(task.flight.impulse_Ns, 1)} N s; planned: `);
-  byId('headline').textContent = flights.join('') + `J = ${fixed(sum((task) => task.price.cost), 3)}, ${fixed(sum((task) => task.price.time_s), 1)} s, ` +
+  const flights = live.isOn ? [] : shown.filter((task) => task.flight), docked = flights.filter((task) => task.flight.outcome === 'docked');
+  const outcome = shown.length > 1 ? `${docked.length} of ${shown.length} docked` : flights.map((task) => task.flight.outcome.replace('_', ' ')).join();
+  const flown = (pick) => fixed(flights.reduce((total, task) => total + pick(task.flight), 0), 1);
+  byId('headline').textContent = (flights.length === 0 ? '' :
+    `${outcome} after ${flown((flight) => flight.flown_s)} s and ${flown((flight) => flight.impulse_Ns)} N s; planned: `) + `J = ${fixed(sum((task) => task.price.cost), 3)}, ${fixed(sum((task) => task.price.time_s), 1)} s, ` +
     `${fixed(sum((task) => task.price.impulse_Ns), 1)} N s` + (shown.length > 1 ? `, ${shown.length} tasks` : '');
   const sentences = broken.map((task) => `${task.name}: this plan is no answer to its question: ${task.breach}.`)
     .concat(below.map((task) => (shown.length > 1 ? task.name + ': ' : '') + (task.margin_m > 0 ? `closer than the margin of ${millimetres(task.margin_m)}: `

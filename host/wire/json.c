@@ -71,7 +71,7 @@ const tree_t* tree_from_json(tree_memory_t* memory, tree_error_t* error, const c
         size > TREE_TEXT_MAX ? NULL : json_loadb(text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &where);
     if (json == NULL) {
         if (size > TREE_TEXT_MAX) {
-            tree_fail(error, &whole, "larger than 4 MiB, no text of ours is");
+            tree_fail(error, &whole, "larger than 64 MiB, no text of ours is");
         } else {
             const tree_t there = {.file = file, .line = where.line, .column = where.column};
             tree_fail(error, &there, "not JSON from here on: %s", where.text);

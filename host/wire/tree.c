@@ -15,6 +15,8 @@
 #define ENTRIES_MAX 4096
 #define KEYS_MAX 64
 #define DEPTH_MAX 24
+/// What a file is given at first, and twice as much whenever that is full [bytes].
+#define FIRST_ROOM (1 << 16)
 
 void* tree_memory_take(tree_memory_t* memory, size_t size) {
     void** const block = calloc(1, sizeof(max_align_t) + size);
@@ -259,11 +261,19 @@ static char* refuse(tree_error_t* error, const char* path, const char* what) {
 }
 
 static char* read_all(int file, const char* path, size_t* size, tree_error_t* error) {
-    char* const text = malloc(TREE_TEXT_MAX + 1);
+    size_t room = FIRST_ROOM;
+    char* text = malloc(room + 1);
     ssize_t got = text == NULL ? 0 : 1;
     *size = 0;
     while (got != 0 && *size <= TREE_TEXT_MAX) {
-        got = read(file, text + *size, TREE_TEXT_MAX + 1 - *size);
+        if (*size == room) {
+            room *= 2;
+            char* const larger = realloc(text, room + 1);
+            if (larger == NULL) free(text);
+            text = larger;
+            if (text == NULL) break;
+        }
+        got = read(file, text + *size, room - *size);
         if (got < 0 && errno != EINTR) {
             break;
         }
@@ -276,7 +286,7 @@ static char* read_all(int file, const char* path, size_t* size, tree_error_t* er
     refuse(error, path,
            text == NULL ? "out of memory"
            : got < 0    ? strerror(errno)
-                        : "larger than 4 MiB, no file of ours is");
+                        : "larger than 64 MiB, no file of ours is");
     free(text);
     return NULL;
 }

@@ -8,8 +8,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/// Largest text that is read [bytes].
-#define TREE_TEXT_MAX (1 << 22)
+/// Largest text that is read, and largest that may be YAML [bytes]: what people write is short, a flown assembly is
+/// not.
+#define TREE_TEXT_MAX (1 << 26)
+#define TREE_YAML_MAX (1 << 22)
 
 typedef enum { TREE_NULL, TREE_BOOLEAN, TREE_INTEGER, TREE_REAL, TREE_TEXT, TREE_LIST, TREE_MAP } tree_kind_t;
 

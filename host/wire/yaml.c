@@ -236,7 +236,7 @@ static const tree_t* read_document(reader_t* reader) {
 /// UTF-8, and directives.
 static bool is_for_parser(tree_error_t* error, const char* file, const char* text, size_t size) {
     tree_t there = {.file = file};
-    if (size > TREE_TEXT_MAX) {
+    if (size > TREE_YAML_MAX) {
         return tree_fail(error, &there, "larger than 4 MiB, no file of ours is");
     }
     there.column = 1;

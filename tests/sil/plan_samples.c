@@ -6,7 +6,7 @@
 #include "wire/message.h"
 
 int main(int argc, char** argv) {
-    static char text[TREE_TEXT_MAX], error[1024];
+    static char text[TREE_YAML_MAX], error[1024];
     static ssv_plan_t plan;
     lcm_ssv_plan_t message;
     const int count = argc == 2 ? atoi(argv[1]) : 0;

@@ -17,13 +17,15 @@ SAMPLES = os.environ["SSV_PLAN_SAMPLES"]
 PICTURES = Path(os.environ["SSV_PICTURES_DIR"])
 sys.path.insert(0, str(SOURCE / "tests/support"))
 sys.path.insert(0, str(SOURCE / "lcmtypes"))
+from assembly import scheduled_tasks  # noqa: E402
 from browser import CHROMIUM, Browser  # noqa: E402
 from sample_plan import sample  # noqa: E402
 
 SCENARIOS = sorted((SOURCE / "host/scenarios").glob("**/*.yaml"))
 OK, FAILED, REFUSED, USAGE = 0, 1, 2, 64
-PAGE_BYTES_MAX = 1.5e6
+PAGE_BYTES_MAX, ASSEMBLY_BYTES_MAX = 1.5e6, 5e6
 POSE_M, POSE_RAD, THRUST_N = 1e-3, 2e-3, 1e-5  # what lies between two rows may be 0.3 mm and 1 mrad off; thrusts have 7 digits
+DOCK_OFF_M = 0.04  # as far as a dock in rough water may be off
 BRACKET_M = 5e-3  # of the planner's clearance
 BEAM = 64
 
@@ -34,6 +36,21 @@ def between(rows, t_s):
     before, after = rows[i - 1], rows[i]
     part = (t_s - before[0]) / (after[0] - before[0])
     return [a + part * (b - a) for a, b in zip(before, after)]
+
+
+def plant_ball(answer, gap_m):
+    """A ball of 0.2 m that was seen later, so far from the vehicle halfway through the longest leg to the beam. @return its number"""
+    leg = max((leg for leg in answer["plan"]["legs"] if leg["phase"] == "transit" and leg["kind"] == "translate"), key=lambda leg: leg["length"])
+    middle = [(a + b) / 2 for a, b in zip(leg["X_IS_start"]["p_m"], leg["X_IS_end"]["p_m"])]
+    along = [b - a for a, b in zip(leg["X_IS_start"]["p_m"], leg["X_IS_end"]["p_m"])]
+    across = [along[1], -along[0], 0] if abs(along[2]) < 0.9 * math.hypot(*along) else [1, 0, -along[0] / along[2]]
+    away_m = answer["scenario"]["vehicle"]["radius_m"] + 0.2 + gap_m
+    scene, number = answer["scene"], answer["scene"]["num_obstacles"]
+    scene["obstacles"].append({"kind": "capsule", "p_I_m": [m + away_m * a / math.hypot(*across) for m, a in zip(middle, across)],
+                               "axis_I": [0, 0, 1], "length_m": 0, "radius_m": 0.2})
+    scene["num_obstacles"] += 1
+    answer["scenario"]["obstacles"] = f"{int(answer['scenario']['obstacles'], 16) | 1 << number:016x}"
+    return number
 
 
 def apart_rad(a, b):
@@ -65,7 +82,7 @@ class InFolder(unittest.TestCase):
 
 
 @unittest.skipUnless(CHROMIUM, "needs Chromium (Debian package chromium)")
-class Page(InFolder):
+class InBrowser(InFolder):
     @classmethod
     def setUpClass(cls):
         cls.browser = cls.enterClassContext(Browser()) if hasattr(cls, "enterClassContext") else Browser().__enter__()
@@ -91,7 +108,18 @@ class Page(InFolder):
         self.assertEqual(self.browser.complaints(), [])
         self.assertEqual(self.browser.requests(), [page.as_uri()])
 
-    def assert_shows(self, answer, state, sample):
+    def red_pixels(self):
+        return self.browser.evaluate("(() => { const gl = document.getElementById('canvas').getContext('webgl2') || document.getElementById('canvas').getContext('webgl');"
+                                     "const p = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);"
+                                     "gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, p);"
+                                     "let n = 0; for (let i = 0; i < p.length; i += 4) n += p[i] > 150 && p[i + 1] < 60 && p[i + 2] < 60; return n; })()")
+
+    def samples(self, answer, count):
+        """The core's samples of a plan, lists of numbers."""
+        done = subprocess.run([SAMPLES, str(count)], input=json.dumps({"plan": answer["plan"]}), capture_output=True, check=True, text=True)
+        return [list(map(float, line.split())) for line in done.stdout.splitlines()]
+
+    def assert_shows(self, answer, state, sample, start_s=0):
         t_s, *numbers = sample
         self.assertLess(math.dist(state["X_IS"][:3], numbers[:3]), POSE_M)
         self.assertLess(apart_rad(state["X_IS"][3:], numbers[3:7]), POSE_RAD)
@@ -101,8 +129,10 @@ class Page(InFolder):
         for arrow_m, u_N in zip(state["arrows_m"], numbers[13:], strict=True):
             self.assertAlmostEqual(arrow_m, 2 * radius_m * abs(u_N) / force_max_N, delta=2e-3 * radius_m)
         for plot_s in state["plot_times_s"]:  # a hundredth of a pixel is how the line is placed
-            self.assertAlmostEqual(plot_s, t_s, delta=0.02 * state["duration_s"] / 400)
+            self.assertAlmostEqual(plot_s, start_s + t_s, delta=0.02 * state["duration_s"] / 400)
 
+
+class Page(InBrowser):
     def test_every_shipped_plan_is_drawn_at_any_time_as_the_sampler_has_it_without_a_word_or_a_request(self):
         for scenario in SCENARIOS:
             with self.subTest(scenario.stem):
@@ -112,9 +142,7 @@ class Page(InFolder):
                 state = self.open(page)
                 self.assertTrue(state["has_scene"])
                 self.assertLessEqual(max(state["in_view"]), 1, "start, path and goal are in the picture")
-                lines = subprocess.run([SAMPLES, "3"], input=json.dumps(answer), capture_output=True, check=True, text=True).stdout
-                for line in lines.splitlines():
-                    sample = list(map(float, line.split()))
+                for sample in self.samples(answer, 3):
                     self.assert_shows(answer, self.slide(sample[0]), sample)
                 end = self.slide(state["duration_s"])
                 final = answer["plan"]["quote"]["X_IB_final"]
@@ -191,17 +219,7 @@ class Page(InFolder):
         self.open(self.report(answer, "sound"))
         self.assertFalse(self.state()["closest_is_red"])
         self.assertTrue(self.browser.evaluate("document.getElementById('warning').hidden"))
-        # A ball that was seen later, beside the middle of the way to the beam: 10 mm where 30 were asked for.
-        leg = max((leg for leg in answer["plan"]["legs"] if leg["phase"] == "transit"), key=lambda leg: leg["length"])
-        middle = [(a + b) / 2 for a, b in zip(leg["X_IS_start"]["p_m"], leg["X_IS_end"]["p_m"])]
-        along = [b - a for a, b in zip(leg["X_IS_start"]["p_m"], leg["X_IS_end"]["p_m"])]
-        across = [along[1], -along[0], 0] if abs(along[2]) < 0.9 * math.hypot(*along) else [1, 0, -along[0] / along[2]]
-        away_m = answer["scenario"]["vehicle"]["radius_m"] + 0.2 + 0.01
-        number = answer["scene"]["num_obstacles"]
-        answer["scene"]["obstacles"].append({"kind": "capsule", "p_I_m": [m + away_m * a / math.hypot(*across) for m, a in zip(middle, across)],
-                                             "axis_I": [0, 0, 1], "length_m": 0, "radius_m": 0.2})
-        answer["scene"]["num_obstacles"] += 1
-        answer["scenario"]["obstacles"] = f"{int(answer['scenario']['obstacles'], 16) | 1 << number:016x}"
+        number = plant_ball(answer, 0.01)
         page = self.report(answer, "planted")
         self.open(page)
         self.browser.press("c")
@@ -214,11 +232,7 @@ class Page(InFolder):
         self.assertIn(f"obstacle {number}", warning)
         self.assertIn("no answer to its question", warning)
         self.assertEqual(self.browser.evaluate("document.getElementById('now').className"), "below")
-        red = self.browser.evaluate("(() => { const gl = document.getElementById('canvas').getContext('webgl2') || document.getElementById('canvas').getContext('webgl');"
-                                    "const p = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);"
-                                    "gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, p);"
-                                    "let n = 0; for (let i = 0; i < p.length; i += 4) n += p[i] > 150 && p[i + 1] < 60 && p[i + 2] < 60; return n; })()")
-        self.assertGreater(red, 10, "red pixels")
+        self.assertGreater(self.red_pixels(), 10)
         self.browser.screenshot(PICTURES / "planted.png")
         self.assert_quiet(page)
 
@@ -284,7 +298,7 @@ class Page(InFolder):
         self.browser.press("End")
         self.assertTrue(self.state()["mated"])
         final = flight["plan"]["quote"]["X_IB_final"]["p_m"]
-        self.assertLess(math.dist(self.state()["X_IB"][0][:3], final), 0.04)  # as far as a dock in rough water may be off
+        self.assertLess(math.dist(self.state()["X_IB"][0][:3], final), DOCK_OFF_M)
         facts = self.browser.evaluate("document.getElementById('tables').textContent")
         for word in ("docked", "hit: ", "planned [s]", "conditions rough, seed 1"):
             self.assertIn(word, facts)
@@ -297,6 +311,105 @@ class Page(InFolder):
             duration_s = self.open(page)["duration_s"]
             self.slide(0.6 * duration_s)
             self.browser.screenshot(PICTURES / f"{Path(name).name}.png")
+
+
+class Assembly(InBrowser):
+    """EASE, as `ssv schedule` has it built: all plans one after the other."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.assembly, cls.schedule = scheduled_tasks(SSV, SOURCE / "host/structures/ease.yaml")
+
+    def test_the_tasks_are_those_of_the_schedule(self):
+        self.assertEqual(len(self.assembly["tasks"]), 6)
+        for task, part in zip(self.assembly["tasks"], self.schedule["subtasks"], strict=True):
+            self.assertAlmostEqual(task["plan"]["quote"]["cost"], part["cost"], delta=1e-9 * part["cost"])  # the helper rounds otherwise
+
+    def test_it_grows_task_by_task_and_every_pose_is_the_sampler_s(self):
+        page = self.report(self.assembly, "ease")
+        self.assertLessEqual(page.stat().st_size, ASSEMBLY_BYTES_MAX)
+        print(f"ease: {page.stat().st_size / 1e6:.2f} MB", flush=True)
+        state = self.open(page)
+        self.assertLessEqual(max(state["in_view"]), 1)
+        self.assertAlmostEqual(state["duration_s"], self.schedule["time_s"], delta=1e-3)
+        start_s = 0
+        for k, task in enumerate(self.assembly["tasks"]):
+            for sample in self.samples(task, 2):
+                state = self.slide(start_s + sample[0])
+                self.assertEqual(state["task"], k)
+                self.assert_shows(task, state, sample, start_s)
+                for i, other in enumerate(self.assembly["tasks"]):  # what was carried stands, what comes later lies
+                    rest = other["plan"]["quote"]["X_IB_final"] if i < k else other["scenario"]["X_IB"]
+                    if i != k:
+                        self.assertLess(math.dist(state["X_IB"][i][:3], rest["p_m"]), POSE_M)
+                        self.assertLess(apart_rad(state["X_IB"][i][3:], rest["q"]), POSE_RAD)
+            start_s += task["plan"]["quote"]["time_s"]
+            if k == 3:
+                self.browser.screenshot(PICTURES / "ease.png")
+                self.browser.screenshot(PICTURES / "assembly.png", last="main")
+        self.browser.press("End")
+        self.assertTrue(self.state()["docked"])
+        names = self.browser.evaluate("[...document.querySelectorAll('#labels span')].map(span => span.textContent)")
+        self.assertEqual([name for name in names if name.startswith("obstacle")], [])
+        self.assertEqual(names.count("hub"), 4)
+        self.browser.screenshot(PICTURES / "ease_built.png")
+        self.assertEqual(self.red_pixels(), 0)
+        self.assert_quiet(page)
+
+    def test_the_list_of_tasks_jumps_to_each_of_them(self):
+        self.open(self.report(self.assembly))
+        rows = "[...document.querySelectorAll('#tasks tbody tr')]"
+        names = self.browser.evaluate(f"{rows}.map(row => row.cells[0].textContent)")
+        self.assertEqual(names, [f"{k + 1}  {task['name']}" for k, task in enumerate(self.assembly["tasks"])])
+        start_s = 0
+        for k, task in enumerate(self.assembly["tasks"]):
+            self.browser.evaluate(f"{rows}[{k}].click()" if k % 2 == 0 else f"{rows}[{k}].focus()")
+            if k % 2 == 1:
+                self.browser.press("Enter")
+            self.assertEqual(self.state()["task"], k)
+            self.assertAlmostEqual(self.state()["time_s"], start_s, delta=1e-3)
+            self.assertEqual(self.browser.evaluate(f"{rows}.findIndex(row => row.classList.contains('at'))"), k)
+            self.assertIn(task["name"], self.browser.evaluate("document.getElementById('tables').textContent"))
+            start_s += task["plan"]["quote"]["time_s"]
+
+    def test_a_pair_that_is_too_near_is_red_in_its_task_alone(self):
+        assembly = json.loads(json.dumps(self.assembly))
+        number = plant_ball(assembly["tasks"][3], 0.01)
+        page = self.report(assembly, "planted")
+        self.open(page)
+        self.browser.press("c")
+        state = self.state()
+        self.assertEqual((state["task"], state["near"][1:3]), (3, [0, number]))
+        self.assertAlmostEqual(state["near"][0], 0.01, delta=1e-4)
+        self.assertTrue(state["closest_is_red"])
+        self.assertGreater(self.red_pixels(), 10)
+        self.assertIn(assembly["tasks"][3]["name"] + ": closer than the margin of 30 mm", self.browser.evaluate("document.getElementById('warning').textContent"))
+        self.assertEqual(self.browser.evaluate("[...document.querySelectorAll('#tasks tbody tr')].map(row => row.querySelector('.below') !== null)"),
+                         [False, False, False, True, False, False])
+        self.browser.screenshot(PICTURES / "ease_planted.png")
+        self.browser.evaluate("document.querySelector('#tasks tbody tr').click()")
+        self.assertFalse(self.state()["closest_is_red"])
+        self.assert_quiet(page)
+
+    def test_flown_it_stays_small(self):
+        flown = []
+        for task in self.assembly["tasks"]:
+            question = {"scenario": task["scenario"] | {"thrust_reserve": 0.2}, "scene": task["scene"]}
+            done = subprocess.run([SSV, "fly", "-", "--sim", "--conditions", "rough", "--format", "json"], input=json.dumps(question),
+                                  capture_output=True, text=True)
+            self.assertEqual(done.returncode, OK, done.stderr)
+            flown.append({"name": task["name"]} | json.loads(done.stdout))
+        page = self.report(json.dumps({"tasks": flown}, indent=2), "ease_flown")
+        self.assertLessEqual(page.stat().st_size, ASSEMBLY_BYTES_MAX)
+        print(f"ease flown: {page.stat().st_size / 1e6:.2f} MB", flush=True)
+        self.open(page)
+        self.assertIn("6 of 6 docked", self.browser.evaluate("document.getElementById('headline').textContent"))
+        state = self.slide(0.7 * self.state()["duration_s"])
+        self.browser.screenshot(PICTURES / "ease_flown.png")
+        for i, task in enumerate(flown[:state["task"]]):
+            self.assertLess(math.dist(state["X_IB"][i][:3], task["plan"]["quote"]["X_IB_final"]["p_m"]), DOCK_OFF_M)
+        self.assert_quiet(page)
 
 
 @unittest.skipUnless(CHROMIUM, "needs Chromium (Debian package chromium)")

@@ -127,9 +127,13 @@ class Browser:
         self.page("Input.dispatchKeyEvent", type="keyDown", **named)
         self.page("Input.dispatchKeyEvent", type="keyUp", **named)
 
-    def screenshot(self, path, whole=True):
-        """The picture of the page, all of it or what the window shows."""
-        picture = self.page("Page.captureScreenshot", captureBeyondViewport=whole)
+    def screenshot(self, path, last=None):
+        """The picture of the page, all of it or down to the end of an element."""
+        clip = {}
+        if last:
+            bottom = self.evaluate(f"document.querySelector({last!r}).getBoundingClientRect().bottom + scrollY")
+            clip = {"clip": {"x": 0, "y": 0, "width": self.size[0], "height": bottom, "scale": 1}}
+        picture = self.page("Page.captureScreenshot", captureBeyondViewport=True, **clip)
         Path(path).write_bytes(base64.b64decode(picture["data"]))
 
     def complaints(self):

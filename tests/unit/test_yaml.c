@@ -114,7 +114,7 @@ static void test_each_kind_of_bad_text_is_refused_with_its_place(void) {
 
 /// Texts that grow without bound: depth, keys, entries, size, and the aliases that double what they stand for.
 static void test_what_grows_without_bound_is_refused_soon(void) {
-    static char text[TREE_TEXT_MAX + 2];
+    static char text[TREE_YAML_MAX + 2];
     for (int kind = 0; kind < 5; kind++) {
         setUp();
         text[0] = '\0';
@@ -127,8 +127,8 @@ static void test_what_grows_without_bound_is_refused_soon(void) {
                 end += kind == 1 ? sprintf(end, "k%d: 1\n", i) : sprintf(end, "- 1\n");
             }
         } else if (kind == 3) {
-            memset(text, '#', TREE_TEXT_MAX + 1);
-            text[TREE_TEXT_MAX + 1] = '\0';
+            memset(text, '#', TREE_YAML_MAX + 1);
+            text[TREE_YAML_MAX + 1] = '\0';
         } else {
             char* end = text + sprintf(text, "a0: &a0 [1, 1]\n");
             for (int i = 1; i < 50; i++) {
