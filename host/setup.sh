@@ -58,6 +58,7 @@ _ssv_missing_packages() {
         if [[ -n ${SSV_LONG:-} ]]; then
             wanted+=(tshark)   # the link as a tool of others sees it
             wanted+=(chromium) # pages as a browser shows them
+            wanted+=(xvfb default-jre) # lcm-spy on a display that nobody sees
         fi
         # and on other processors with an operating system
         wanted+=(gcc-aarch64-linux-gnu gcc-arm-linux-gnueabihf libc6-dev-arm64-cross libc6-dev-armhf-cross qemu-user)

@@ -7,7 +7,9 @@ usage() {
 Usage: bash host/spy.sh [--lcm-url URL]
 
 Opens lcm-spy with the planner's message types: every channel with its rate, and on a double click every field of the
-last message, with graphs of the numbers. Needs a build (bash host/demo.sh makes one) and a display.
+last message, with graphs of the numbers. A double click on SSV_PLAN shows the thrusts and the way from above instead, on
+SSV_PLANNER_STATUS what each planner does in a second; their fields are in the menu of the right button. Needs a build
+(bash host/demo.sh makes one) and a display.
 
   --lcm-url URL   where to listen (default: $LCM_DEFAULT_URL, else udpm://239.255.76.67:7667?ttl=0)
   --help          this text

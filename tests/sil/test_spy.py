@@ -5,8 +5,10 @@ SpyProbe.java does what lcm-spy does with a message, up to the window. It watche
 """
 
 import json
+import math
 import os
 import queue
+import re
 import shutil
 import socket
 import struct
@@ -17,14 +19,22 @@ import threading
 import time
 import unittest
 from pathlib import Path
+from types import SimpleNamespace
 
 import lcm
+from ssv import plan_t, planner_status_t
 
 BIN = Path(os.environ["SSV_BIN_DIR"])
 SOURCE = Path(os.environ["SSV_SOURCE_DIR"])
 JAVA = os.environ["SSV_JAVA"]
 TYPES_JAR = Path(os.environ["SSV_TYPES_JAR"])
 PROBE_CLASS_PATH = os.environ["SSV_PROBE_CLASS_PATH"]
+PICTURES = Path(os.environ["SSV_PICTURES_DIR"])
+sys.path.insert(0, str(SOURCE / "lcmtypes"))
+from sample_plan import pose_along  # noqa: E402
+
+XVFB = shutil.which("Xvfb")
+JAVA_OPENS_WINDOWS = (Path(JAVA).resolve().parent.parent / "lib/libawt_xawt.so").exists()
 
 DEADLINE_S = 60  # generous: reached only when something is broken
 STATUS, PLAN, SCENARIO = "SSV_PLANNER_STATUS", "SSV_PLAN", "SSV_SCENARIO"
@@ -207,6 +217,181 @@ class WatchingThePlanner(unittest.TestCase):
         bus.publish("OTHER_VERSION", struct.pack(">q", type_hash ^ 1) + captured[0][8:])
         other = probe.wait_for("the changed status", lambda m: m["channel"] == "OTHER_VERSION")
         self.assertIsNone(other["type"])
+
+
+def as_objects(json_text):
+    return json.loads(json_text, object_hook=lambda fields: SimpleNamespace(**fields))
+
+
+@unittest.skipUnless(XVFB and JAVA_OPENS_WINDOWS, "needs Xvfb and a Java that opens windows (Debian packages xvfb, default-jre)")
+class InItsWindow(unittest.TestCase):
+    """lcm-spy itself, on a display that nobody sees."""
+
+    @classmethod
+    def setUpClass(cls):
+        PICTURES.mkdir(exist_ok=True)
+        read, write = os.pipe()
+        cls.xvfb = subprocess.Popen([XVFB, "-displayfd", str(write), "-screen", "0", "1280x1024x24", "-nolisten", "tcp"],
+                                    pass_fds=(write,), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        cls.addClassCleanup(stop, cls.xvfb)
+        os.close(write)
+        with os.fdopen(read) as display:
+            cls.environment = os.environ | {"DISPLAY": ":" + display.readline().strip()}
+
+    def setUp(self):
+        self.url = free_url()
+        self.bus = lcm.LCM(self.url)
+
+    def open_spy(self):
+        self.log = tempfile.TemporaryFile("w+")
+        self.addCleanup(self.log.close)
+        self.spy = subprocess.Popen([JAVA, "-Djava.net.preferIPv4Stack=true", "-cp", f"{PROBE_CLASS_PATH}:{TYPES_JAR}", "ssv.spy.SpyWindow",
+                                     self.url], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.log, text=True,
+                                    env=self.environment)
+        self.addCleanup(stop, self.spy)
+        self.ask("channels")
+
+    def ask(self, command, argument=""):
+        self.spy.stdin.write(f"{command} {argument}\n")
+        self.spy.stdin.flush()
+        line = self.spy.stdout.readline()
+        if not line:
+            self.log.seek(0)
+            self.fail(f"lcm-spy has ended:\n{self.log.read()}")
+        answer = json.loads(line)
+        if isinstance(answer, dict):
+            self.assertNotIn("error", answer)
+        return answer
+
+    def wait_for(self, condition, what):
+        end = time.monotonic() + DEADLINE_S
+        while True:
+            value = condition()
+            if value:
+                return value
+            self.assertLess(time.monotonic(), end, f"never seen: {what}")
+            time.sleep(0.05)
+
+    def publish_until(self, channel, data, condition, what):
+        def once():
+            self.bus.publish(channel, data)
+            return condition()
+
+        return self.wait_for(once, what)
+
+    def captured_plan(self, *options):
+        """A plan as it went over the bus, and as its asker has it."""
+        datagrams = []
+        listener = lcm.LCM(self.url)
+        listener.subscribe(PLAN, lambda channel, data: datagrams.append(data))
+        planner = subprocess.Popen([BIN / "ssv-plannerd", "--lcm-url", self.url], stdin=subprocess.DEVNULL)
+        self.addCleanup(stop, planner)
+        asked = subprocess.run([BIN / "ssv", "plan", *options, f"--lcm={self.url}", "--format", "json"], capture_output=True, text=True,
+                               timeout=DEADLINE_S)
+        while not datagrams:
+            self.assertGreater(listener.handle_timeout(DEADLINE_S * 1000), 0)
+        stop(planner)
+        return datagrams[0], json.loads(asked.stdout)["plan"]
+
+    def test_a_double_click_on_a_captured_plan_shows_its_thrusts_and_its_way_from_above(self):
+        data, plan = self.captured_plan(SOURCE / "host/scenarios/clear/port2_either.yaml")
+        self.open_spy()
+        self.publish_until(PLAN, data, lambda: PLAN in self.ask("channels"), "the channel")
+        self.assertIn(PLAN, self.ask("open", PLAN))
+        shown = self.wait_for(lambda: (content := self.ask("read", PLAN))["way"] and content, "the plan")
+        self.assertIn(f"J = {plan['quote']['cost']:.3f} (none below {plan['quote']['cost_lower_bound']:.3f})", shown["words"][0])
+        self.assertIn(plan["plan_hash"], shown["words"][0])
+
+        self.assertEqual([(trace["name"], trace["y"]) for trace in shown["traces"]], [(f"T{i}", f"T{i} [N]") for i in range(1, 7)])
+        self.assertEqual(shown["traces"][5]["x"], "t [s]")
+        for i, trace in enumerate(shown["traces"]):
+            wanted = [point for segment in plan["segments"]
+                      for point in ([segment["t_s"], segment["u_start_N"][i]], [segment["t_s"] + segment["duration_s"], segment["u_end_N"][i]])]
+            self.assertEqual(trace["points"], wanted)
+
+        legs = as_objects(json.dumps(plan)).legs
+        self.assertEqual(len(shown["way"]), len(legs))
+        for leg, points in zip(legs, shown["way"]):
+            for i in range(len(points)):
+                wanted, _ = pose_along(leg, leg.length * i / (len(points) - 1))
+                self.assertLess(math.dist(points[i], wanted), 1e-9)  # both in doubles
+            self.assertLess(math.dist(points[-1], leg.X_IS_end.p_m), 1e-6)  # the plan's own end, integrated otherwise
+        time.sleep(1)  # for the charts, which are painted by a thread of their own
+        self.ask("picture", PICTURES / "spy_plan.png")
+
+    def test_a_plan_of_wild_numbers_does_not_harm_the_window(self):
+        data, _ = self.captured_plan(SOURCE / "host/scenarios/paper_case.yaml")
+        self.open_spy()
+        self.publish_until(PLAN, data, lambda: PLAN in self.ask("channels"), "the channel")
+        self.ask("open", PLAN)
+        before = self.wait_for(lambda: (content := self.ask("read", PLAN))["way"] and content, "the plan")
+        wild = plan_t.decode(data)
+        wild.quote.cost = math.nan
+        for leg in wild.legs:
+            leg.X_IS_start.p_m = [1e300, -1e300, math.inf]
+            leg.length = math.inf
+        for segment in wild.segments:
+            segment.t_s, segment.u_start_N = math.nan, [math.inf] * 6
+        shown = self.publish_until(PLAN, wild.encode(), lambda: (content := self.ask("read", PLAN)) != before and content, "the wild plan")
+        self.assertEqual((shown["way"], shown["traces"][0]["points"]), ([], []))
+        wild.quote.status, wild.quote.reason, wild.num_legs, wild.num_segments = 99, "<html><b>no", 0, 0
+        shown = self.publish_until(PLAN, wild.encode(), lambda: "status 99" in (content := self.ask("read", PLAN))["words"][0] and content, "that")
+        self.assertIn("<html><b>no", shown["words"][0])
+        self.publish_until(PLAN, data, lambda: self.ask("read", PLAN) == before, "the sound plan again")
+
+    def test_a_double_click_on_the_status_shows_what_each_planner_does_in_a_second(self):
+        self.open_spy()
+        heard = []
+        self.bus.subscribe(STATUS, lambda channel, data: heard.append(planner_status_t.decode(data)))
+        for _ in range(2):
+            start_planner(self, self.url)
+            time.sleep(0.3)  # both tell once a second, and lcm-spy keeps the last message only
+        self.wait_for(lambda: STATUS in self.ask("channels"), "the channel")
+        self.ask("open", STATUS)
+        self.wait_for(lambda: len(self.ask("read", STATUS)["tabs"]) == 2, "both planners")
+        files = sorted((SOURCE / "host/scenarios").glob("*.yaml"))
+        for _ in range(3):
+            subprocess.run([BIN / "ssv", "quote", *files, f"--lcm={self.url}"], capture_output=True, check=True, timeout=DEADLINE_S)
+            subprocess.run([BIN / "ssv", "plan", files[0], f"--lcm={self.url}"], capture_output=True, check=True, timeout=DEADLINE_S)
+
+        def rows(number):
+            return {name: (total, rate) for name, total, rate in self.ask("read", STATUS)["tables"][number]}
+
+        self.wait_for(lambda: [rows(k)["plans"][0] for k in range(2)] == ["3", "3"], "three plans of each, who were all asked")
+        while self.bus.handle_timeout(0) > 0:
+            pass
+        shown = self.ask("read", STATUS)
+        for number, tab in enumerate(shown["tabs"]):
+            told = [status for status in heard if f"planner {status.planner.planner_id % 2**64:016x}" == tab]
+            traces = {trace["name"]: trace["points"] for trace in shown["traces"][3 * number:3 * number + 3]}
+            for name, field in (("questions", "received"), ("plans", "accepted"), ("prices", "quoted")):
+                uptimes = [status.uptime_us / 1e6 for status in told]
+                counts = [getattr(status, field) for status in told]
+                wanted = {b: (m - k) / (b - a) for a, b, k, m in zip(uptimes, uptimes[1:], counts, counts[1:])}
+                self.assertGreater(len(traces[name]), 0)
+                for up_s, rate in traces[name]:
+                    if up_s in wanted:
+                        self.assertAlmostEqual(rate, wanted[up_s], delta=1e-6 * max(1, wanted[up_s]))
+                self.assertGreaterEqual(sum(up_s in wanted for up_s, _ in traces[name]), len(traces[name]) - 1)
+        time.sleep(3)
+        self.ask("picture", PICTURES / "spy_status.png")
+
+    def test_spy_sh_opens_lcm_spy_with_both_windows(self):
+        tree = Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, tree)
+        (tree / "host").mkdir()
+        (tree / "build").mkdir()
+        shutil.copy(SOURCE / "host/spy.sh", tree / "host")
+        (tree / "build/venv").symlink_to(sys.prefix)
+        (tree / "build/share").symlink_to(TYPES_JAR.parent)
+        spy = subprocess.Popen(["bash", tree / "host/spy.sh", "--lcm-url", self.url], env=self.environment, stdout=subprocess.PIPE,
+                               stderr=subprocess.STDOUT, text=True, start_new_session=True)
+        self.addCleanup(stop, spy)
+        said = ""
+        while not {"PlanPlugin", "StatusPlugin"} <= set(re.findall(r"ssv\.spy\.(\w+)@", said)):
+            line = spy.stdout.readline()
+            self.assertTrue(line, said)
+            said += line
 
 
 class OpeningTheWindow(unittest.TestCase):
