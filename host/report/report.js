@@ -91,7 +91,7 @@ function planAt(task, t_s) {
 
 function thrustAt(task, t_s) {
   const rows = task.thrust;
-  if (t_s < 0 || t_s >= rows[rows.length - 1][TIME]) return [0, 0, 0, 0, 0, 0];
+  if (t_s < 0 || t_s >= rows[rows.length - 1][TIME] - CLOCK_S) return [0, 0, 0, 0, 0, 0];
   const i = rowAt(rows, t_s), next = rows[Math.min(i + 1, rows.length - 1)], part = partAt(rows, i, t_s);
   return [1, 2, 3, 4, 5, 6].map((k) => rows[i][k] + part * (next[k] - rows[i][k]));
 }
