@@ -319,6 +319,8 @@ typedef struct ask_prices {
     int64_t epoch_us;           ///< the same for all, since the newest wins
     batch_t batch[BATCHES_MAX]; ///< one of each planner, and the one without a planner
     double progress_s;          ///< when the last right answer came
+    bool (*stop)(void* context);
+    void* stop_context;
     void (*progress)(int priced, int count, void* context);
     void* context;
 } deal_t;
@@ -489,6 +491,10 @@ static bool exchange_quotes(deal_t* deal, char* error, size_t error_size) {
         const double next_s = deal_round(deal, start_s, error, error_size);
         const double deadline_s = deal->progress_s + deal->line.timeout_s;
         if (next_s < 0 || !line_wait(&deal->line, fmin(next_s, deadline_s), -1, error, error_size)) return false;
+        if (deal->stop != NULL && deal->stop(deal->stop_context)) {
+            snprintf(error, error_size, "stopped before all prices had come");
+            return false;
+        }
         if (line_now_s() >= deal->progress_s + deal->line.timeout_s && deal->priced < deal->count) {
             line_tell_silence(&deal->line, error, error_size);
             return false;
@@ -511,6 +517,11 @@ ask_prices_t* ask_prices_open(const ask_target_t* target, char* error, size_t er
     }
     free(deal);
     return NULL;
+}
+
+void ask_prices_stop(ask_prices_t* deal, bool (*stop)(void* context), void* context) {
+    deal->stop = stop;
+    deal->stop_context = context;
 }
 
 /// Nothing is under way: what is open from an exchange that failed is nobody's.

@@ -66,6 +66,9 @@ typedef struct ask_prices ask_prices_t;
 /// @return NULL with a sentence in `error`.
 ask_prices_t* ask_prices_open(const ask_target_t* target, char* error, size_t error_size);
 
+/// Has ask_prices ask all the time whether to give up waiting.
+void ask_prices_stop(ask_prices_t* deal, bool (*stop)(void* context), void* context);
+
 /// Asks for the prices of any number of tasks (their own asker means nothing), in batches of at most SSV_MAX_BATCH that
 /// have the same scene.
 /// What fits one batch goes to whoever is there. More is dealt to the planners that are heard, one batch at a time

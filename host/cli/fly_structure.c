@@ -91,12 +91,10 @@ static int schedule(assembly_flight_t* flight) {
         if (pricing != NULL) pricing_close(pricing);
         return pricing == NULL ? EXIT_FAILED : EXIT_INVALID;
     }
-    search_watch_t watch = search_watch_begin(pricing);
-    watch.gives_up = is_stopped;
-    watch.context = &flight->signals;
+    search_watch_t watch = search_watch_begin(pricing, SEARCH_LIMIT_S, is_stopped, &flight->signals);
     asked_t asked = {pricing, &flight->signals};
     const assembly_prices_t prices = {ask, &asked};
-    const assembly_limits_t limits = {search_watch_clock_s, SEARCH_LIMIT_S, search_watch_found, &watch};
+    const assembly_limits_t limits = {search_watch_must_stop, search_watch_found, &watch};
     const bool sound = assembly_schedule(flight->structure, &prices, &limits, &flight->result);
     search_watch_end(&watch);
     pricing_close(pricing);

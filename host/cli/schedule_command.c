@@ -1,12 +1,10 @@
 #define _POSIX_C_SOURCE 200809L
 #include <argp.h>
 #include <inttypes.h>
-#include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-#include <unistd.h>
 
 #include "announce.h"
 #include "ask.h"
@@ -27,7 +25,7 @@ static const char doc[] =
     "\vExamples:\n"
     "  ssv schedule host/structures/ease.yaml\n"
     "  ssv schedule ease.yaml --weights 1,0     time alone counts\n"
-    "  ssv schedule ease.yaml --time-limit 10   the best that is found in 10 s\n"
+    "  ssv schedule ease.yaml --time-limit 10   the best that is found in 10 s, as after Ctrl-C\n"
     "  ssv schedule ease.yaml --lcm             running planners find the prices\n"
     "  ssv schedule ease.yaml --format json --output schedule.json\n"
     "\n"
@@ -42,7 +40,7 @@ static const char doc[] =
     "   2  the structure is refused: a file cannot be read, a key or a value is\n"
     "      wrong, or it does not close; the message names the place\n"
     "   3  the structure is sound, but there is no schedule, or none was found in\n"
-    "      time\n"
+    "      time, or before Ctrl-C\n"
     "   4  nobody answered over LCM, or not in this program's scalar, or LCM does\n"
     "      not work here\n"
     "  64  wrong arguments\n"
@@ -121,6 +119,26 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
     }
 }
 
+static volatile sig_atomic_t interrupted;
+
+static void interrupt(int number) {
+    (void)number;
+    interrupted = 1;
+}
+
+/// A signal ends the search with what it has; a second one ends the program.
+static void take_signals(void) {
+    struct sigaction action = {.sa_handler = interrupt, .sa_flags = (int)SA_RESETHAND};
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+static bool is_interrupted(void* context) {
+    (void)context;
+    return interrupted != 0;
+}
+
 // ---- The report -----------------------------------------------------------------------------------------------------
 
 /// One part as it will be flown.
@@ -138,6 +156,7 @@ typedef struct {
     const assembly_result_t* result;
     pricing_counts_t counts;
     double wall_s, first_s;
+    bool stopped; ///< before the search was done
     flight_t flight[STRUCTURE_MAX_SLOTS];
     announce_t announce; ///< the schedule as the bus has it
     json_t* tasks;       ///< each with its plan; NULL for people
@@ -307,14 +326,14 @@ static bool report_json(FILE* out, const void* content) {
 
 static int conclude(const arguments_t* arguments, const pricing_t* pricing, report_t* report) {
     const assembly_result_t* const result = report->result;
-    if (result->asked_in_vain) {
+    if (result->asked_in_vain && !report->stopped) {
         fprintf(stderr, "ssv: %s\n", report->error[0] != '\0' ? report->error : "out of memory");
         return report->error[0] != '\0' ? EXIT_NO_ANSWER : EXIT_FAILED;
     }
     if (result->best.num_parts == 0) {
         fprintf(stderr, "ssv: %s: %s\n", report->shown,
                 result->status == HTN_NO_PLAN ? "no schedule: by every order and choice of beams some part has no plan"
-                                              : "no schedule was found in time");
+                                              : "no schedule was found before the search was stopped");
         return EXIT_INFEASIBLE;
     }
     char error[512];
@@ -356,9 +375,9 @@ static int schedule(const arguments_t* arguments, const structure_t* structure, 
     }
     pricing_t* const pricing =
         arguments->over_lcm ? pricing_open_elsewhere(structure, ask_remote, &remote) : pricing_open(structure, 0);
-    search_watch_t watch = search_watch_begin(pricing);
+    search_watch_t watch = search_watch_begin(pricing, arguments->time_limit_s, is_interrupted, NULL);
     const assembly_prices_t prices = {pricing_ask, pricing};
-    const assembly_limits_t limits = {search_watch_clock_s, arguments->time_limit_s, search_watch_found, &watch};
+    const assembly_limits_t limits = {search_watch_must_stop, search_watch_found, &watch};
     if (pricing == NULL) {
         fprintf(stderr, "ssv: out of memory\n");
         ask_prices_close(remote.line);
@@ -371,6 +390,8 @@ static int schedule(const arguments_t* arguments, const structure_t* structure, 
         ask_prices_close(remote.line);
         return EXIT_INVALID;
     }
+    if (remote.line != NULL) ask_prices_stop(remote.line, search_watch_must_stop, &watch);
+    take_signals();
     const bool sound = assembly_schedule(structure, &prices, &limits, &result);
     search_watch_end(&watch);
     static report_t report;
@@ -381,6 +402,7 @@ static int schedule(const arguments_t* arguments, const structure_t* structure, 
                         .counts = pricing_counts(pricing),
                         .wall_s = line_now_s() - watch.begun_s,
                         .first_s = watch.first_s,
+                        .stopped = watch.stopped,
                         .tasks = arguments->as_json ? json_array() : NULL};
     if (!sound) fprintf(stderr, "ssv: out of memory\n");
     const int code = sound ? conclude(arguments, pricing, &report) : EXIT_FAILED;

@@ -7,26 +7,37 @@
 
 #include "line.h"
 
-search_watch_t search_watch_begin(const pricing_t* pricing) {
-    return (search_watch_t){
-        .pricing = pricing, .begun_s = line_now_s(), .best = INFINITY, .on_terminal = isatty(STDERR_FILENO) == 1};
+search_watch_t search_watch_begin(const pricing_t* pricing, double time_limit_s, bool (*gives_up)(void* context),
+                                  void* context) {
+    return (search_watch_t){.pricing = pricing,
+                            .begun_s = line_now_s(),
+                            .time_limit_s = time_limit_s,
+                            .best = INFINITY,
+                            .gives_up = gives_up,
+                            .context = context,
+                            .on_terminal = isatty(STDERR_FILENO) == 1};
 }
 
-double search_watch_clock_s(void* context) {
+static void show_progress(const search_watch_t* watch, double elapsed_s) {
+    const pricing_counts_t counts = pricing_counts(watch->pricing);
+    fprintf(stderr, "ssv: %.0f s, ", elapsed_s);
+    if (isfinite(watch->best)) fprintf(stderr, "best J %.1f, ", watch->best);
+    if (watch->bound > 0) {
+        fprintf(stderr, "bound %.1f (%.1f %%), ", watch->bound, 100 * (watch->best / watch->bound - 1));
+    }
+    fprintf(stderr, "%" PRIu64 " prices, %" PRIu64 " known   \r", counts.asked, counts.known);
+}
+
+bool search_watch_must_stop(void* context) {
     search_watch_t* const watch = context;
     const double now = line_now_s();
-    if (watch->gives_up != NULL && watch->gives_up(watch->context)) return INFINITY;
     if (watch->on_terminal && now - watch->shown_s >= 0.2) {
-        const pricing_counts_t counts = pricing_counts(watch->pricing);
         watch->shown_s = now;
-        fprintf(stderr, "ssv: %.0f s, ", now - watch->begun_s);
-        if (isfinite(watch->best)) fprintf(stderr, "best J %.1f, ", watch->best);
-        if (watch->bound > 0) {
-            fprintf(stderr, "bound %.1f (%.1f %%), ", watch->bound, 100 * (watch->best / watch->bound - 1));
-        }
-        fprintf(stderr, "%" PRIu64 " prices, %" PRIu64 " known   \r", counts.asked, counts.known);
+        show_progress(watch, now - watch->begun_s);
     }
-    return now;
+    watch->stopped = watch->gives_up(watch->context) ||
+                     (watch->time_limit_s > 0 && now - watch->begun_s >= watch->time_limit_s);
+    return watch->stopped;
 }
 
 void search_watch_found(void* context, double cost, double lower_bound) {

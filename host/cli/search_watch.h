@@ -8,19 +8,22 @@
 
 typedef struct {
     const pricing_t* pricing;
-    double begun_s, shown_s;
+    double begun_s, time_limit_s, shown_s;
     double best, bound; ///< so far; INFINITY and 0 if there is none
     double first_s;     ///< after which time there was a schedule
-    /// Whether the search is to end, asked again and again; NULL for never. Needs a time limit.
     bool (*gives_up)(void* context);
     void* context;
     bool on_terminal;
+    bool stopped; ///< whether it was told to end
 } search_watch_t;
 
-search_watch_t search_watch_begin(const pricing_t* pricing);
+/// @param time_limit_s  from now on; 0 for none.
+/// @param gives_up      whether the search is to end for another reason, asked again and again.
+search_watch_t search_watch_begin(const pricing_t* pricing, double time_limit_s, bool (*gives_up)(void* context),
+                                  void* context);
 
 /// What assembly_limits_t calls, the watch being its context.
-double search_watch_clock_s(void* watch);
+bool search_watch_must_stop(void* watch);
 void search_watch_found(void* watch, double cost, double lower_bound);
 
 /// Takes the line away.

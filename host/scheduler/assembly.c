@@ -37,7 +37,7 @@ typedef struct {
     uint64_t built, used;
     int num_built, pose;
     bound_last_t last;
-    double spent, begun_s;
+    double spent;
     bound_t* bound;                        ///< NULL = none
     double share;                          ///< of the bound's prices that is believed to be the least,
     double lowest_share;                   ///< and the least that was seen
@@ -252,15 +252,18 @@ static bool be_greedy(assembly_t* assembly, assembly_schedule_t* schedule) {
     return complete;
 }
 
-static void report_found(const assembly_t* assembly) {
-    const assembly_limits_t* const limits = assembly->limits;
+/// What every schedule costs at least, before any search.
+static double least_of_all(const assembly_t* assembly) {
     const structure_t* const structure = assembly->structure;
     const bound_last_t start = {-1, structure->left};
-    if (limits->found == NULL) return;
-    limits->found(limits->context, assembly->best.cost,
-                  assembly->bound == NULL
-                      ? 0
-                      : assembly->share * bound_rest(assembly->bound, structure->stands, structure->gone, start));
+    return assembly->bound == NULL
+               ? 0
+               : assembly->share * bound_rest(assembly->bound, structure->stands, structure->gone, start);
+}
+
+static void report_found(const assembly_t* assembly) {
+    const assembly_limits_t* const limits = assembly->limits;
+    if (limits->found != NULL) limits->found(limits->context, assembly->best.cost, least_of_all(assembly));
 }
 
 /// Where the vehicle starts, with what stands then.
@@ -299,9 +302,9 @@ static bool found(void* context, const htn_plan_t* plan) {
     return true;
 }
 
-static double clock_s(void* context) {
-    const assembly_t* const assembly = context;
-    return assembly->limits->clock_s(assembly->limits->context);
+static bool must_stop(void* context) {
+    const assembly_limits_t* const limits = ((const assembly_t*)context)->limits;
+    return limits->stop != NULL && limits->stop(limits->context);
 }
 
 static bool make_room(assembly_t* assembly) {
@@ -324,27 +327,15 @@ static void assembly_close(assembly_t* assembly) {
     free(assembly);
 }
 
-static double time_left_s(const assembly_t* assembly) {
-    const assembly_limits_t* const limits = assembly->limits;
-    if (limits->clock_s == NULL || limits->time_limit_s <= 0) return INFINITY;
-    return limits->time_limit_s - (limits->clock_s(limits->context) - assembly->begun_s);
-}
-
-static bool has_time(void* context) { return time_left_s(context) > 0; }
-
 /// One search with the share as it is.
 static void search_once(assembly_t* assembly, assembly_result_t* result) {
     static const htn_task_t all = {ASSEMBLE_STRUCTURE, {0}};
-    const double left_s = time_left_s(assembly);
-    const htn_limits_t limits = {.clock_s = assembly->limits->clock_s == NULL ? NULL : clock_s,
-                                 .time_limit_s = isfinite(left_s) ? fmax(left_s, 1e-9) : 0,
-                                 .found = found,
-                                 .context = assembly};
+    const htn_limits_t limits = {.stop = must_stop, .found = found, .context = assembly};
     assembly->best = (assembly_schedule_t){0};
     htn_result_t plan = htn_search(&domain, assembly, &all, 1, &limits);
     free(plan.plan.steps);
     result->status = assembly->in_vain ? HTN_STOPPED : plan.status;
-    result->lower_bound = assembly->in_vain ? 0 : plan.lower_bound;
+    result->lower_bound = assembly->in_vain ? least_of_all(assembly) : plan.lower_bound;
     result->nodes += plan.nodes;
     result->states = plan.memories;
     if (result->best.num_parts == 0 || (assembly->best.num_parts > 0 && assembly->best.cost < result->best.cost)) {
@@ -360,7 +351,7 @@ static void search(assembly_t* assembly, assembly_result_t* result) {
         report_found(assembly);
     }
     if (!assembly->in_vain) {
-        assembly->bound = bound_open(assembly->structure, assembly->prices, has_time, assembly);
+        assembly->bound = bound_open(assembly->structure, assembly->prices, must_stop, assembly);
     }
     assembly->share = certain ? CERTAIN_SHARE : FIRST_SHARE;
     assembly->lowest_share = 1;
@@ -384,7 +375,6 @@ static assembly_t* assembly_open(const structure_t* structure, const assembly_pr
     assembly->prices = prices;
     assembly->limits = limits;
     begin(assembly);
-    if (limits->clock_s != NULL) assembly->begun_s = limits->clock_s(limits->context);
     if (make_room(assembly)) return assembly;
     assembly_close(assembly);
     return NULL;

@@ -42,11 +42,11 @@ typedef struct {
 } assembly_result_t;
 
 typedef struct {
-    double (*clock_s)(void* context);
-    double time_limit_s; ///< 0 = none
+    /// Asked all the time whether to end with what has been found; NULL = never.
+    bool (*stop)(void* context);
     /// Called with each better schedule, and what is proved by then: that none costs less than the bound.
     void (*found)(void* context, double cost, double lower_bound);
-    void* context; ///< of the two
+    void* context; ///< of both
 } assembly_limits_t;
 
 extern const htn_kind_t assembly_kinds[];

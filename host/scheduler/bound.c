@@ -99,7 +99,7 @@ static bool price_round(bound_t* bound, const assembly_prices_t* prices, int fir
     return sound;
 }
 
-bound_t* bound_open(const structure_t* structure, const assembly_prices_t* prices, bool (*going_on)(void* context),
+bound_t* bound_open(const structure_t* structure, const assembly_prices_t* prices, bool (*stop)(void* context),
                     void* context) {
     if (structure->num_beams * structure->num_slots > PARTS_MAX) return NULL;
     bound_t* const bound = calloc(1, sizeof *bound);
@@ -114,7 +114,7 @@ bound_t* bound_open(const structure_t* structure, const assembly_prices_t* price
     }
     for (int first = 0, end; sound && first < bound->num_nodes; first = end) {
         end = bound->num_nodes;
-        sound = (going_on == NULL || going_on(context)) && price_round(bound, prices, first, end);
+        sound = !stop(context) && price_round(bound, prices, first, end);
     }
     if (sound) return bound;
     bound_close(bound);

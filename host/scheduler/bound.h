@@ -20,9 +20,10 @@ typedef struct {
     int beam, slot;
 } bound_last_t;
 
-/// Asks for the prices. *going_on, if any, says whether there is time for more.
-/// @return NULL if out of memory or time, if there are no prices to be had, or if the structure is too large for this.
-bound_t* bound_open(const structure_t* structure, const assembly_prices_t* prices, bool (*going_on)(void* context),
+/// Asks for the prices, until `stop` says so.
+/// @return NULL if out of memory or stopped, if there are no prices to be had, or if the structure is too large for
+/// this.
+bound_t* bound_open(const structure_t* structure, const assembly_prices_t* prices, bool (*stop)(void* context),
                     void* context);
 
 /// The least price of one part; 0 if none is known.

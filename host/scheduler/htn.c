@@ -16,7 +16,6 @@ typedef struct {
     const htn_domain_t* domain;
     void* state;
     const htn_limits_t* limits;
-    double begun_s;
     htn_step_t* trail; ///< what is begun on the way to where the search is
     int depth;
     memory_t* memories;
@@ -98,10 +97,7 @@ static void keep(search_t* search, double cost) {
 static bool must_stop(search_t* search) {
     const htn_limits_t* limits = search->limits;
     if (limits->max_nodes != 0 && search->result.nodes >= limits->max_nodes) search->stopped = true;
-    if (limits->clock_s != NULL && limits->time_limit_s > 0 &&
-        limits->clock_s(limits->context) - search->begun_s >= limits->time_limit_s) {
-        search->stopped = true;
-    }
+    if (limits->stop != NULL && limits->stop(limits->context)) search->stopped = true;
     return search->stopped;
 }
 
@@ -198,7 +194,6 @@ htn_result_t htn_search(const htn_domain_t* domain, void* state, const htn_task_
         for (int i = 0; i < num_tasks; i++) {
             cells[i] = (htn_agenda_t){tasks[i], 0, i + 1 < num_tasks ? &cells[i + 1] : NULL};
         }
-        if (limits->clock_s != NULL) search.begun_s = limits->clock_s(limits->context);
         const double bound = explore(&search, num_tasks > 0 ? cells : NULL, 0);
         search.result.lower_bound =
             search.stopped ? fmin(bound, cost_of(&search.result.plan)) : cost_of(&search.result.plan);

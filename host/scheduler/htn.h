@@ -97,14 +97,13 @@ typedef struct {
 /// When to stop, and whom to tell. Zero or NULL is no limit, and nobody.
 typedef struct {
     uint64_t max_nodes;
-    size_t max_memories; ///< states that are remembered
-    double (*clock_s)(void* context);
-    double time_limit_s; ///< from the call on, by that clock
+    size_t max_memories;         ///< states that are remembered
+    bool (*stop)(void* context); ///< asked before each task
     /// Tells every plan, good or bad, and leaves nothing out: for tasks with few plans.
     bool all;
     /// Called with each plan that is better than all before; the plan is lent. @return whether to go on.
     bool (*found)(void* context, const htn_plan_t* plan);
-    void* context; ///< of the two
+    void* context; ///< of both
 } htn_limits_t;
 
 typedef enum {

@@ -260,7 +260,7 @@ typedef struct {
     int plans;
 } watch_t;
 
-static double tick(void* context) { return ((watch_t*)context)->now_s += 1; }
+static bool tick(void* context) { return (((watch_t*)context)->now_s += 1) >= 150; }
 
 static bool watch(void* context, const htn_plan_t* plan) {
     watch_t* seen = context;
@@ -278,11 +278,8 @@ static void test_a_stopped_search_has_a_plan_and_a_bound_with_the_optimum_betwee
         for (int by_clock = 0; by_clock < 2; by_clock++) {
             const htn_domain_t domain = domain_with(true, true);
             watch_t seen = {0, INFINITY, 0};
-            const htn_limits_t limits = {.max_nodes = by_clock ? 0 : 200,
-                                         .clock_s = by_clock ? tick : NULL,
-                                         .time_limit_s = 150,
-                                         .found = watch,
-                                         .context = &seen};
+            const htn_limits_t limits = {
+                .max_nodes = by_clock ? 0 : 200, .stop = by_clock ? tick : NULL, .found = watch, .context = &seen};
             blocks_t blocks = start;
             htn_result_t result = htn_search(&domain, &blocks, &rebuild, 1, &limits);
             TEST_ASSERT_TRUE(result.lower_bound <= expected + 1e-9);
