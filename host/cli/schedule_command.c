@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "line.h"
 #include "output.h"
+#include "price_file.h"
 #include "report.h"
 #include "scheduler/assembly.h"
 #include "scheduler/pricing.h"
@@ -18,6 +19,7 @@
 #include "ssv/answer.h"
 #include "task_options.h"
 #include "wire/message.h"
+#include "wire/names.h"
 
 static const char doc[] =
     "Schedules the assembly of a structure: which beam goes to which slot, in which order, at the least sum of J = W1 "
@@ -27,6 +29,7 @@ static const char doc[] =
     "  ssv schedule ease.yaml --weights 1,0     time alone counts\n"
     "  ssv schedule ease.yaml --time-limit 10   the best that is found in 10 s, as after Ctrl-C\n"
     "  ssv schedule ease.yaml --lcm             running planners find the prices\n"
+    "  ssv schedule ease.yaml --cache prices    asks only for what is not in the file yet\n"
     "  ssv schedule ease.yaml --format json --output schedule.json\n"
     "\n"
     "Every part is priced by the planner, in process and on all cores or over LCM, with what stands then as obstacles. "
@@ -38,7 +41,8 @@ static const char doc[] =
     "Exit codes:\n"
     "   0  schedule found\n"
     "   2  the structure is refused: a file cannot be read, a key or a value is\n"
-    "      wrong, or it does not close; the message names the place\n"
+    "      wrong, or it does not close; the message names the place. Or the\n"
+    "      file of --cache is none, or holds what this planner does not say\n"
     "   3  the structure is sound, but there is no schedule, or none was found in\n"
     "      time, or before Ctrl-C\n"
     "   4  nobody answered over LCM, or not in this program's scalar, or LCM does\n"
@@ -46,7 +50,7 @@ static const char doc[] =
     "  64  wrong arguments\n"
     "   1  anything else, e.g. FILE cannot be written\n";
 
-enum { KEY_WEIGHTS = 256, KEY_TIME_LIMIT, KEY_LCM, KEY_TIMEOUT, KEY_FORMAT, KEY_OUTPUT };
+enum { KEY_WEIGHTS = 256, KEY_TIME_LIMIT, KEY_LCM, KEY_TIMEOUT, KEY_CACHE, KEY_FORMAT, KEY_OUTPUT };
 
 static const struct argp_option options_table[] = {
     {"weights", KEY_WEIGHTS, "W1,W2", 0, "Weights of time [1/s] and impulse [1/(N s)] instead of the file's", 0},
@@ -54,13 +58,14 @@ static const struct argp_option options_table[] = {
     {"lcm", KEY_LCM, "URL", OPTION_ARG_OPTIONAL,
      "Have all ssv-plannerd that are heard over LCM price the parts, instead of this program", 0},
     {"timeout", KEY_TIMEOUT, "S", 0, "How long to wait for an answer over LCM (default: 10)", 0},
+    {"cache", KEY_CACHE, "FILE", 0, "Take prices from there, and add those that are new", 0},
     {"format", KEY_FORMAT, "table|json", 0, "For people (default) or for programs", 0},
     {"output", KEY_OUTPUT, "FILE", 0, "Write there instead of to standard output, which is -", 0},
     {0},
 };
 
 typedef struct {
-    const char *path, *output_path;
+    const char *path, *output_path, *cache_path;
     const char* lcm_url;
     double weights[2], time_limit_s, timeout_s;
     bool weights_given, as_json, over_lcm;
@@ -100,6 +105,10 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
                 !(arguments->timeout_s > 0 && arguments->timeout_s <= 1e6)) {
                 argp_error(state, "--timeout %s: not a number of seconds in (0, 1e6]", argument);
             }
+            return 0;
+        case KEY_CACHE:
+            if (strcmp(argument, "-") == 0) argp_error(state, "--cache -: prices are kept in a file");
+            arguments->cache_path = argument;
             return 0;
         case KEY_FORMAT:
             arguments->as_json = strcmp(argument, "json") == 0;
@@ -272,10 +281,10 @@ static bool report_table(FILE* out, const void* content) {
     fprintf(out, "\nassemble-structure\n");
     tree_lines(out, report);
     fprintf(out,
-            "\n  %" PRIu64 " prices %s, %" PRIu64 " known already; %d poses, %" PRIu64 " states, %" PRIu64
-            " nodes\n  first schedule after %.1f s, all after %.1f s\n",
-            report->counts.asked, from, report->counts.known, report->counts.poses, report->result->states,
-            report->result->nodes, report->first_s, report->wall_s);
+            "\n  %" PRIu64 " prices %s, %" PRIu64 " kept from before, %" PRIu64 " known already; %d poses, %" PRIu64
+            " states, %" PRIu64 " nodes\n  first schedule after %.1f s, all after %.1f s\n",
+            report->counts.asked, from, report->counts.kept, report->counts.known, report->counts.poses,
+            report->result->states, report->result->nodes, report->first_s, report->wall_s);
     return true;
 }
 
@@ -309,23 +318,27 @@ static bool report_json(FILE* out, const void* content) {
     json_t* const parts = json_array();
     for (int i = 0; i < result->best.num_parts; i++) json_array_append_new(parts, part_json(report, i));
     return wire_json_write(
-        out,
-        json_pack("{s:{s:s,s:f,s:f,s:f,s:b,s:f,s:f,s:f,s:o,s:s,s:o},s:{s:I,s:I,s:i,s:I,s:I,s:i,s:f,s:f},s:O}",
-                  "schedule", "structure", report->shown, "cost", result->best.cost, "time_s",
-                  report->announce.wire.time_s, "impulse_Ns", report->announce.wire.impulse_Ns, "optimal",
-                  result->status == HTN_OPTIMAL, "lower_bound", result->lower_bound, "relied_share",
-                  result->relied_share, "lowest_share", result->lowest_share, "greedy_cost",
-                  result->greedy.num_parts > 0 ? json_real(result->greedy.cost) : json_null(), "task",
-                  "assemble-structure", "subtasks", parts, "search", "prices", (json_int_t)report->counts.asked,
-                  "known", (json_int_t)report->counts.known, "poses", report->counts.poses, "states",
-                  (json_int_t)result->states, "nodes", (json_int_t)result->nodes, "threads", report->counts.threads,
-                  "first_s", report->first_s, "wall_s", report->wall_s, "tasks", report->tasks));
+        out, json_pack("{s:{s:s,s:f,s:f,s:f,s:b,s:f,s:f,s:f,s:o,s:s,s:o},s:{s:I,s:I,s:I,s:i,s:I,s:I,s:i,s:f,s:f},s:O}",
+                       "schedule", "structure", report->shown, "cost", result->best.cost, "time_s",
+                       report->announce.wire.time_s, "impulse_Ns", report->announce.wire.impulse_Ns, "optimal",
+                       result->status == HTN_OPTIMAL, "lower_bound", result->lower_bound, "relied_share",
+                       result->relied_share, "lowest_share", result->lowest_share, "greedy_cost",
+                       result->greedy.num_parts > 0 ? json_real(result->greedy.cost) : json_null(), "task",
+                       "assemble-structure", "subtasks", parts, "search", "prices", (json_int_t)report->counts.asked,
+                       "kept", (json_int_t)report->counts.kept, "known", (json_int_t)report->counts.known, "poses",
+                       report->counts.poses, "states", (json_int_t)result->states, "nodes", (json_int_t)result->nodes,
+                       "threads", report->counts.threads, "first_s", report->first_s, "wall_s", report->wall_s, "tasks",
+                       report->tasks));
 }
 
 // ---- The command ----------------------------------------------------------------------------------------------------
 
 static int conclude(const arguments_t* arguments, const pricing_t* pricing, report_t* report) {
     const assembly_result_t* const result = report->result;
+    if (pricing_is_cache_wrong(pricing)) {
+        fprintf(stderr, "ssv: %s holds prices that this planner does not give; remove it\n", arguments->cache_path);
+        return EXIT_INVALID;
+    }
     if (result->asked_in_vain && !report->stopped) {
         fprintf(stderr, "ssv: %s\n", report->error[0] != '\0' ? report->error : "out of memory");
         return report->error[0] != '\0' ? EXIT_NO_ANSWER : EXIT_FAILED;
@@ -361,7 +374,7 @@ static bool ask_remote(void* context, const lcm_ssv_task_t* tasks, int count, lc
     return ask_prices(remote->line, tasks, count, quotes, NULL, NULL, remote->error, sizeof remote->error);
 }
 
-static int schedule(const arguments_t* arguments, const structure_t* structure, const char* shown) {
+static int schedule(const arguments_t* arguments, const structure_t* structure, cache_t* cache, const char* shown) {
     assembly_result_t result;
     remote_t remote = {.line = NULL};
     if (arguments->over_lcm) {
@@ -375,6 +388,7 @@ static int schedule(const arguments_t* arguments, const structure_t* structure, 
     }
     pricing_t* const pricing =
         arguments->over_lcm ? pricing_open_elsewhere(structure, ask_remote, &remote) : pricing_open(structure, 0);
+    if (pricing != NULL) pricing_use(pricing, cache);
     search_watch_t watch = search_watch_begin(pricing, arguments->time_limit_s, is_interrupted, NULL);
     const assembly_prices_t prices = {pricing_ask, pricing};
     const assembly_limits_t limits = {search_watch_must_stop, search_watch_found, &watch};
@@ -412,6 +426,25 @@ static int schedule(const arguments_t* arguments, const structure_t* structure, 
     return code;
 }
 
+/// Likewise with prices from a file, and to it.
+static int schedule_with_cache(const arguments_t* arguments, const structure_t* structure, const char* shown) {
+    char head[160], error[512] = "out of memory";
+    snprintf(head, sizeof head, "planner %s, %s, effort %s, steps %d", SSV_VERSION, ssv_scalar,
+             name_of(&names_effort, structure->task.options.effort), PRICING_STEPS);
+    cache_t* const cache = cache_open(head);
+    if (cache == NULL || !price_file_read(cache, arguments->cache_path, error, sizeof error)) {
+        fprintf(stderr, "ssv: %s\n", error);
+        cache_close(cache);
+        return cache == NULL ? EXIT_FAILED : EXIT_INVALID;
+    }
+    const int before = cache_count(cache);
+    int code = schedule(arguments, structure, cache, shown);
+    const bool has_more = cache_count(cache) > before && code != EXIT_INVALID;
+    if (has_more && !price_file_write(cache, arguments->cache_path) && code == EXIT_OK) code = EXIT_FAILED;
+    cache_close(cache);
+    return code;
+}
+
 int schedule_command(int argc, char** argv) {
     static const struct argp parser = {
         .options = options_table, .parser = parse_option, .args_doc = "STRUCTURE", .doc = doc};
@@ -437,5 +470,6 @@ int schedule_command(int argc, char** argv) {
         structure.task.weight_time_per_s = arguments.weights[0];
         structure.task.weight_impulse_per_Ns = arguments.weights[1];
     }
-    return schedule(&arguments, &structure, shown);
+    return arguments.cache_path != NULL ? schedule_with_cache(&arguments, &structure, shown)
+                                        : schedule(&arguments, &structure, NULL, shown);
 }

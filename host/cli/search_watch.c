@@ -35,8 +35,8 @@ bool search_watch_must_stop(void* context) {
         watch->shown_s = now;
         show_progress(watch, now - watch->begun_s);
     }
-    watch->stopped = watch->gives_up(watch->context) ||
-                     (watch->time_limit_s > 0 && now - watch->begun_s >= watch->time_limit_s);
+    watch->stopped =
+        watch->gives_up(watch->context) || (watch->time_limit_s > 0 && now - watch->begun_s >= watch->time_limit_s);
     return watch->stopped;
 }
 

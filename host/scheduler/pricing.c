@@ -11,9 +11,14 @@
 #include <unistd.h>
 
 #include "ssv/answer.h"
+#include "ssv/check.h"
 #include "wire/message.h"
 
 #define THREADS_MAX 64
+
+/// Of the cache's prices the first so many are priced anew, and then every so manyth.
+#define CHECKED_FIRST 8
+#define CHECKED_EVERY 64
 
 /// A pose in whole steps.
 typedef struct {
@@ -36,6 +41,8 @@ typedef struct {
 typedef struct {
     assembly_question_t question;
     int at; ///< of those asked together
+    uint64_t hash;
+    bool is_kept, is_checked, is_wrong; ///< of what the cache has
     bool feasible;
     double cost, time_s, impulse_Ns;
     pose_steps_t end;
@@ -49,6 +56,8 @@ struct pricing {
     int num_poses, room_poses;
     entry_t* entries;
     size_t num_entries, room;
+    cache_t* cache; ///< or NULL
+    bool is_cache_wrong;
     work_t* works;
     int num_works, room_works;
     pricing_counts_t counts;
@@ -138,6 +147,11 @@ static void make_scene(pricing_t* pricing) {
     ssv_scene_from_wire(&pricing->scene, scene);
 }
 
+static lcm_ssv_task_t task_of(const pricing_t* pricing, const assembly_question_t* question) {
+    const lcm_ssv_task_t task = {.scenario = pricing_scenario(pricing, question), .scene = pricing->wire_scene};
+    return task;
+}
+
 const lcm_ssv_scene_t* pricing_scene(const pricing_t* pricing) { return &pricing->wire_scene; }
 
 bool pricing_check(const pricing_t* pricing, char* error, size_t error_size) {
@@ -171,26 +185,44 @@ static void price(const pricing_t* pricing, ssv_work_t* memory, work_t* work) {
     work->end = steps_of(p_m, q);
 }
 
-/// Has it all priced elsewhere.
-static bool price_elsewhere(pricing_t* pricing) {
-    const size_t count = (size_t)pricing->num_works;
-    lcm_ssv_task_t* const tasks = calloc(count, sizeof *tasks);
-    lcm_ssv_quote_t* const quotes = calloc(count, sizeof *quotes);
-    bool sound = tasks != NULL && quotes != NULL;
-    for (size_t i = 0; i < count && sound; i++) {
-        tasks[i].scenario = pricing_scenario(pricing, &pricing->works[i].question);
-        tasks[i].scene = pricing->wire_scene;
+/// Prices it again if that is wanted of what the cache has.
+static void price_or_check(const pricing_t* pricing, ssv_work_t* memory, work_t* work) {
+    if (!work->is_kept) {
+        price(pricing, memory, work);
+    } else if (work->is_checked) {
+        work_t again = {.question = work->question};
+        price(pricing, memory, &again);
+        work->is_wrong = again.feasible != work->feasible || again.cost != work->cost || again.time_s != work->time_s ||
+                         again.impulse_Ns != work->impulse_Ns || memcmp(&again.end, &work->end, sizeof again.end) != 0;
     }
-    sound = sound && pricing->ask(pricing->context, tasks, (int)count, quotes);
-    for (size_t i = 0; i < count && sound; i++) {
-        const lcm_ssv_quote_t* const quote = &quotes[i];
+}
+
+/// Has what the cache does not have priced elsewhere.
+static bool price_elsewhere(pricing_t* pricing) {
+    const size_t most = (size_t)pricing->num_works;
+    lcm_ssv_task_t* const tasks = calloc(most, sizeof *tasks);
+    lcm_ssv_quote_t* const quotes = calloc(most, sizeof *quotes);
+    ssv_work_t memory;
+    int count = 0, next = 0;
+    bool sound = tasks != NULL && quotes != NULL;
+    for (size_t i = 0; i < most && sound; i++) {
+        if (pricing->works[i].is_kept) {
+            price_or_check(pricing, &memory, &pricing->works[i]);
+        } else {
+            tasks[count++] = task_of(pricing, &pricing->works[i].question);
+        }
+    }
+    sound = sound && (count == 0 || pricing->ask(pricing->context, tasks, count, quotes));
+    for (size_t i = 0; i < most && sound; i++) {
         work_t* const work = &pricing->works[i];
+        if (work->is_kept) continue;
+        lcm_ssv_quote_t* const quote = &quotes[next++];
         work->feasible = quote->status == LCM_SSV_QUOTE_T_STATUS_OK;
         work->cost = quote->cost;
         work->time_s = quote->time_s;
         work->impulse_Ns = quote->impulse_Ns;
         work->end = steps_of(quote->X_IS_final.p_m, quote->X_IS_final.q);
-        wire_clear("quote_t", &quotes[i]);
+        wire_clear("quote_t", quote);
     }
     free(tasks);
     free(quotes);
@@ -200,7 +232,7 @@ static bool price_elsewhere(pricing_t* pricing) {
 /// Takes work until there is none.
 static void price_all(pricing_t* pricing, ssv_work_t* memory) {
     for (int i = atomic_fetch_add(&pricing->next, 1); i < pricing->num_works; i = atomic_fetch_add(&pricing->next, 1)) {
-        price(pricing, memory, &pricing->works[i]);
+        price_or_check(pricing, memory, &pricing->works[i]);
     }
 }
 
@@ -277,6 +309,49 @@ static bool make_room(pricing_t* pricing, int count) {
     return true;
 }
 
+// ---- The cache ------------------------------------------------------------------------------------------------------
+
+void pricing_use(pricing_t* pricing, cache_t* cache) { pricing->cache = cache; }
+
+bool pricing_is_cache_wrong(const pricing_t* pricing) { return pricing->is_cache_wrong; }
+
+/// Takes from the cache what it has.
+static void look_up(pricing_t* pricing, work_t* work) {
+    const lcm_ssv_task_t task = task_of(pricing, &work->question);
+    work->hash = ssv_task_question_hash(&task);
+    const cache_price_t* const kept = cache_find(pricing->cache, work->hash);
+    if (kept == NULL) return;
+    work->is_kept = true;
+    work->is_checked = pricing->counts.kept < CHECKED_FIRST || pricing->counts.kept % CHECKED_EVERY == 0;
+    work->feasible = kept->feasible;
+    work->cost = kept->cost;
+    work->time_s = kept->time_s;
+    work->impulse_Ns = kept->impulse_Ns;
+    memcpy(work->end.step, kept->end, sizeof work->end.step);
+    pricing->counts.kept++;
+}
+
+static bool keep(pricing_t* pricing, const work_t* work) {
+    cache_price_t price = {work->hash, work->feasible, work->cost, work->time_s, work->impulse_Ns, {0}};
+    memcpy(price.end, work->end.step, sizeof price.end);
+    return cache_add(pricing->cache, &price);
+}
+
+// ---- Asking ---------------------------------------------------------------------------------------------------------
+
+/// Puts what is priced now where it is found again. @return false if out of memory.
+static bool remember(pricing_t* pricing, const work_t* work, assembly_price_t* price) {
+    const key_t key = key_of(&work->question);
+    entry_t* const entry = place_of(pricing->entries, pricing->room, &key);
+    const int end = work->feasible ? number_of(pricing, &work->end) : 0;
+    if (end < 0 || (pricing->cache != NULL && !work->is_kept && !keep(pricing, work))) return false;
+    pricing->num_entries += !entry->used;
+    *entry = (entry_t){key, {work->feasible, work->cost, work->time_s, work->impulse_Ns, end}, true};
+    *price = entry->price;
+    pricing->counts.asked += !work->is_kept;
+    return true;
+}
+
 bool pricing_ask(void* context, const assembly_question_t* questions, int count, assembly_price_t* prices) {
     pricing_t* const pricing = context;
     if (!make_room(pricing, count)) return false;
@@ -288,21 +363,17 @@ bool pricing_ask(void* context, const assembly_question_t* questions, int count,
             prices[i] = entry->price;
             pricing->counts.known++;
         } else {
-            pricing->works[pricing->num_works++] = (work_t){.question = questions[i], .at = i};
+            work_t* const work = &pricing->works[pricing->num_works++];
+            *work = (work_t){.question = questions[i], .at = i};
+            if (pricing->cache != NULL) look_up(pricing, work);
         }
     }
     if (pricing->num_works > 0 && pricing->ask != NULL && !price_elsewhere(pricing)) return false;
     if (pricing->num_works > 0 && pricing->ask == NULL) price_together(pricing);
     for (int k = 0; k < pricing->num_works; k++) {
         const work_t* const work = &pricing->works[k];
-        const key_t key = key_of(&work->question);
-        entry_t* const entry = place_of(pricing->entries, pricing->room, &key);
-        const int end = work->feasible ? number_of(pricing, &work->end) : 0;
-        if (end < 0) return false;
-        pricing->num_entries += !entry->used;
-        *entry = (entry_t){key, {work->feasible, work->cost, work->time_s, work->impulse_Ns, end}, true};
-        prices[work->at] = entry->price;
-        pricing->counts.asked++;
+        pricing->is_cache_wrong = pricing->is_cache_wrong || work->is_wrong;
+        if (pricing->is_cache_wrong || !remember(pricing, work, &prices[work->at])) return false;
     }
     return true;
 }

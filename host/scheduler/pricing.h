@@ -5,6 +5,7 @@
 #define SSV_SCHEDULER_PRICING_H
 
 #include "assembly.h"
+#include "cache.h"
 #include "lcm_ssv_quote_t.h"
 #include "lcm_ssv_task_t.h"
 
@@ -17,6 +18,7 @@ typedef struct pricing pricing_t;
 /// How often the planner was asked, and how often it was known already.
 typedef struct {
     uint64_t asked, known;
+    uint64_t kept;      ///< prices that the cache had
     int poses, threads; ///< no thread: prices come from elsewhere
 } pricing_counts_t;
 
@@ -29,6 +31,11 @@ pricing_t* pricing_open_elsewhere(const structure_t* structure,
                                   bool (*ask)(void* context, const lcm_ssv_task_t* tasks, int count,
                                               lcm_ssv_quote_t* quotes),
                                   void* context);
+
+/// Has prices taken from the cache, and those that are new added to it. Some of what it has is priced anew: where that
+/// is something else, there are no more prices to be had, and `pricing_is_cache_wrong` says so.
+void pricing_use(pricing_t* pricing, cache_t* cache);
+bool pricing_is_cache_wrong(const pricing_t* pricing);
 
 /// Answers questions, those that are new side by side. Poses that are new get the next numbers in the order of the
 /// questions, however many threads there are. The context of assembly_prices_t is the pricing.

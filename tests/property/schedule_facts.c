@@ -1,4 +1,5 @@
-// Prints seeded structures and what the scheduler says of them, for judges in Python: lines of "key value...".
+// Prints seeded structures and what the scheduler says of them, for judges in Python: lines of "key value value" and so
+// on.
 //
 //   schedule_facts decompositions FIRST COUNT   small structures with every decomposition, from the domain itself
 //   schedule_facts graph FIRST COUNT            structures of 4 to 6 slots past no obstacles, the graph of all their

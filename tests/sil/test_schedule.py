@@ -131,6 +131,113 @@ class ScheduleTest(unittest.TestCase):
             self.assertEqual(ssv_schedule(*arguments).returncode, 64, arguments)
 
 
+def fnv(data):
+    sum = 14695981039346656037
+    for byte in data:
+        sum = (sum ^ byte) * 1099511628211 % 2**64
+    return sum
+
+
+class CacheTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.path = self.folder / "prices"
+
+    def schedule(self, *arguments, says=""):
+        done = ssv_schedule("-", "--format", "json", "--cache", self.path, *arguments, text=THREE)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stderr, f"ssv: {self.path} {says}; it is not used, and written anew\n" if says else "")
+        return json.loads(done.stdout)
+
+    def assert_refused(self, reason):
+        before = self.path.read_bytes()
+        done = ssv_schedule("-", "--cache", self.path, text=THREE)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (2, "", f"ssv: {self.path} {reason}\n"))
+        self.assertEqual(self.path.read_bytes(), before)
+
+    def rewrite(self, *changes):
+        """Changes the text before the last line, whose sum is made right again."""
+        text = edited(self.path.read_text(), *changes)
+        before, last = text[:text.rindex("end ")], text[text.rindex("end "):].split()
+        self.path.write_text(f"{before}end {last[1]} {fnv(before.encode()):016x}\n")
+
+    def test_the_second_run_asks_for_nothing_and_finds_the_same(self):
+        first = self.schedule()
+        before = self.path.read_bytes()
+        second = self.schedule()
+        self.assertEqual(second["schedule"], first["schedule"])
+        self.assertEqual((first["search"]["kept"], second["search"]["prices"]), (0, 0))
+        self.assertEqual(second["search"]["kept"], first["search"]["prices"])
+        self.assertEqual(self.path.read_bytes(), before)
+        self.assertEqual(len(before.splitlines()), first["search"]["prices"] + 2)
+        self.assertEqual(os.listdir(self.folder), ["prices"])
+        done = ssv_schedule("-", "--cache", self.path, text=THREE)
+        self.assertIn(" 0 prices on ", done.stdout)
+        self.assertIn(f" {second['search']['kept']} kept from before", done.stdout)
+
+    def test_other_weights_and_planners_on_the_bus_share_the_file(self):
+        first, second = self.schedule(), self.schedule("--weights", "1,0")
+        self.assertGreater(second["search"]["prices"], 0)
+        self.assertEqual(len(self.path.read_text().splitlines()), first["search"]["prices"] + second["search"]["prices"] + 2)
+        there = self.schedule("--lcm", URL)  # nobody is there, nobody is needed
+        self.assertEqual((there["schedule"], there["search"]["prices"]), (first["schedule"], 0))
+
+    def test_a_file_that_is_not_whole_or_of_another_planner_is_written_anew(self):
+        right = self.schedule()["schedule"]
+        whole = self.path.read_bytes()
+        middle = whole[:len(whole) // 2]
+        for broken in (whole[:-1], middle, whole[:-20] + b"0" + whole[-19:], middle + b"7" + whole[len(middle) + 1:], whole + whole,
+                       b"ssv prices 1: "):
+            if broken == whole:
+                continue
+            self.path.write_bytes(broken)
+            self.assertEqual(self.schedule(says="is not whole")["schedule"], right)
+            self.assertEqual(self.path.read_bytes(), whole)
+        for old, new in (("planner 0", "planner 9"), (", double", ", float"), ("effort quick", "effort best")):
+            self.rewrite((old, new))
+            self.assertEqual(self.schedule(says="holds prices of another planner, arithmetic or effort")["schedule"], right)
+            self.assertEqual(self.path.read_bytes(), whole)
+
+    def test_a_file_of_something_else_is_left_alone(self):
+        self.path.write_text(THREE)
+        self.assert_refused("is no file of prices, and would be overwritten; give --cache another name")
+
+    def test_prices_that_the_planner_does_not_give_are_found_out(self):
+        self.schedule()
+        lines = self.path.read_text().splitlines()
+        for number, line in enumerate(lines[1:-1], 1):
+            question, cost, *rest = line.split()
+            if rest:
+                lines[number] = " ".join((question, repr(float(cost) * 0.99), *rest))
+        before = "\n".join(lines[:-1]) + "\n"
+        self.path.write_text(f"{before}end {len(lines) - 2} {fnv(before.encode()):016x}\n")
+        self.assert_refused("holds prices that this planner does not give; remove it")
+
+    def test_two_runs_at_once_lose_nothing(self):
+        arguments = [BIN / "ssv", "schedule", "-", "--format", "json", "--cache", self.path]
+        runs = [subprocess.Popen([*arguments, "--weights", weights], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+                for weights in ("1,1", "1,0")]
+        for run in runs:
+            run.stdin.write(THREE)
+            run.stdin.close()
+        asked = sum(json.loads(run.stdout.read())["search"]["prices"] for run in runs)
+        for run in runs:
+            run.stdout.close()
+            self.assertEqual(run.wait(), 0)
+        # Where both wrote in the same moment, the prices of one of them are asked for again.
+        self.assertLess(self.schedule()["search"]["prices"], asked)
+        self.assertLessEqual(len(self.path.read_text().splitlines()), asked + 2)
+        self.assertEqual(os.listdir(self.folder), ["prices"])
+
+    def test_a_file_that_cannot_be_written_is_told_after_the_schedule(self):
+        done = ssv_schedule("-", "--format", "json", "--cache", self.folder / "no" / "prices", text=THREE)
+        self.assertEqual(done.returncode, 1)
+        self.assertTrue(json.loads(done.stdout)["schedule"]["optimal"])
+        self.assertIn("cannot write", done.stderr)
+
+
 class OverLcmTest(unittest.TestCase):
     def test_planners_find_the_same_schedule(self):
         planners = [subprocess.Popen([BIN / "ssv-plannerd", "--lcm-url", URL], stderr=subprocess.DEVNULL)
