@@ -31,6 +31,8 @@ static ssv_scenario_t turn(double inertia_kg_m2, double force_N) {
     s.contact = 2;
     s.num_attach_heights = 1;
     s.attach_heights_m[0] = REAL(0);
+    s.ring_angle_given = true; // or a strong vehicle would rather fly around the beam than turn
+    s.ring_angle_rad = REAL_PI;
     return s;
 }
 

@@ -98,16 +98,72 @@ real_t ssv_turn_guess(const ssv_question_t* question, const ssv_turns_t* turns, 
            real_mul(W2, real_mul(angle, sum[SSV_TURN_LINEAR]));
 }
 
+// The largest of some thrusts, and all of them together.
+typedef struct {
+    real_t most, sum;
+} load_t;
+
+static load_t load_of(const real_t u[SSV_NUM_THRUSTERS]) {
+    load_t load = {REAL(0), REAL(0)};
+    for (int i = 0; i < SSV_NUM_THRUSTERS; i++) {
+        load.most = real_max(load.most, real_abs(u[i]));
+        load.sum += real_abs(u[i]);
+    }
+    return load;
+}
+
+static load_t scaled(real_t factor, load_t load) {
+    return (load_t){real_mul(factor, load.most), real_mul(factor, load.sum)};
+}
+
+// At speed v a flight costs W1 length / v for its time, what drag asks over the length, and for reaching v what inertia
+// does; v is the best one that the thrusters can hold.
+static real_t flight_price(const ssv_question_t* question, load_t accel, load_t linear, load_t quadratic,
+                           real_t length) {
+    const real_t W1 = ssv_leg_weight_time(question), W2 = question->weight_impulse_per_Ns;
+    const real_t F = question->problem->scenario.vehicle.force_max_N, hasten = real_mul(W1, length);
+    const real_t rise = real_div(real_mul(W1, accel.most), F) +
+                        real_mul(W2, real_mul(REAL(1.5), accel.sum) + real_mul(length, quadratic.sum));
+    const real_t under_root = real_sq(linear.most) + real_mul(REAL(4), real_mul(quadratic.most, F));
+    const real_t hold = linear.most + real_sqrt(under_root); // 2 F over the top speed
+    real_t v = real_sqrt(real_div(hasten, rise));
+    if (real_mul(hold, v) > real_mul(REAL(2), F)) v = real_div(real_mul(REAL(2), F), hold);
+    return real_div(hasten, v) + real_mul(v, rise) + real_mul(W2, real_mul(length, linear.sum));
+}
+
+real_t ssv_flight_guess(const ssv_question_t* question, const ssv_assembly_t* assembly, vec3_t n_S, real_t length_m) {
+    const ssv_twist_t twist = {n_S, vec3(REAL(0), REAL(0), REAL(0))};
+    ssv_thrusts_t thrusts;
+    ssv_maneuver_thrusts(question->problem, assembly, twist, &thrusts);
+    return flight_price(question, load_of(thrusts.accel), load_of(thrusts.linear), load_of(thrusts.quadratic),
+                        length_m);
+}
+
+// The vehicle's drag is against the flight, and its added mass nearly so.
+real_t ssv_direction_price(const ssv_question_t* question, const ssv_capability_t* capability, vec3_t n_S) {
+    if (capability->regime == SSV_LINEAR_DRAG) return ssv_metre_price(question, n_S);
+    const ssv_body_t* body = &question->problem->scenario.vehicle.body;
+    real_t u[SSV_NUM_THRUSTERS];
+    ssv_alloc(&question->problem->allocation, n_S, vec3(REAL(0), REAL(0), REAL(0)), u);
+    const load_t load = load_of(u);
+    const real_t mass = body->mass_kg + vec3_dot(n_S, vec3_mul(body->added_mass_kg, n_S));
+    return real_div(flight_price(question, scaled(mass, load), scaled(body->drag_lin_kg_s, load),
+                                 scaled(body->drag_quad_kg_m, load), capability->flight_m),
+                    capability->flight_m);
+}
+
 // Steps along each axis, to whichever side is cheaper: where thrusters are not square to each other, the cheapest
 // directions are somewhat off the axes, edges and diagonals of the body.
-static void improve_direction(const ssv_question_t* question, vec3_t* n, real_t* price) {
+static void improve_direction(const ssv_question_t* question, const ssv_capability_t* capability, vec3_t* n,
+                              real_t* price) {
     static const real_t steps[SSV_NUM_DIRECTION_STEPS] = {REAL(0.04), REAL(0.02), REAL(0.01)};
     for (int k = 0; k < 3 * SSV_NUM_DIRECTION_STEPS; k++) {
         const real_t step = steps[k / 3];
         const vec3_t aside =
             vec3(k % 3 == 0 ? step : REAL(0), k % 3 == 1 ? step : REAL(0), k % 3 == 2 ? step : REAL(0));
         const vec3_t next[2] = {vec3_unit(vec3_add(*n, aside)), vec3_unit(vec3_sub(*n, aside))};
-        const real_t there[2] = {ssv_metre_price(question, next[0]), ssv_metre_price(question, next[1])};
+        const real_t there[2] = {ssv_direction_price(question, capability, next[0]),
+                                 ssv_direction_price(question, capability, next[1])};
         const int side = there[0] < there[1] ? 0 : 1;
         const real_t other = real_min(*price, there[1 - side]);
         if (!ssv_less(there[side], other)) continue;
@@ -116,18 +172,61 @@ static void improve_direction(const ssv_question_t* question, vec3_t* n, real_t*
     }
 }
 
+// The cheapest lines across x, of those along which a beam can be held, the cheapest first.
+static void rank_across(const ssv_question_t* question, ssv_capability_t* capability) {
+    static const vec3_t across[] = {{REAL(0), REAL(1), REAL(0)},
+                                    {REAL(0), REAL(0), REAL(1)},
+                                    {REAL(0), REAL(0.70710678118654757), REAL(0.70710678118654757)},
+                                    {REAL(0), REAL(0.70710678118654757), REAL(-0.70710678118654757)}};
+    real_t price[SSV_NUM_ACROSS] = {REAL(0)};
+    int num = 0;
+    for (int k = 0; k < (int)(sizeof across / sizeof *across); k++) {
+        const real_t its = ssv_direction_price(question, capability, across[k]);
+        if (num == SSV_NUM_ACROSS && !ssv_clearly_less(its, price[num - 1])) continue;
+        int place = num < SSV_NUM_ACROSS ? num++ : num - 1;
+        for (; place > 0 && ssv_clearly_less(its, price[place - 1]); place--) {
+            price[place] = price[place - 1];
+            capability->across[place] = capability->across[place - 1];
+        }
+        price[place] = its;
+        capability->across[place] = across[k];
+    }
+}
+
+// What prices per metre are told for: the mean of the flights to the beam and to the port.
+static real_t typical_flight_m(const ssv_scenario_t* s) {
+    const real_t to_beam_m = vec3_norm(vec3_sub(s->X_IB.p, s->X_IS.p));
+    const real_t to_port_m = vec3_norm(vec3_sub(s->p_IP_m, s->X_IB.p));
+    return real_max(SSV_SHORT_FLIGHT_M, real_mul(REAL(0.5), to_beam_m + to_port_m));
+}
+
+// Whether what grows with the square of the speed counts at a speed that a thruster holds against the linear drag.
+static ssv_regime_t regime_of(const ssv_scenario_t* s) {
+    const ssv_body_t *vehicle = &s->vehicle.body, *beam = &s->beam.body;
+    const real_t linear = vehicle->drag_lin_kg_s, force = s->vehicle.force_max_N;
+    const real_t square =
+        vehicle->drag_quad_kg_m + beam->drag_quad_kg_m + real_mul(s->beam.drag_strip_kg_m2, s->beam.length_m);
+    if (beam->drag_lin_kg_s > real_mul(SSV_DRAG_COUNTS, linear)) return SSV_ANY_DRAG;
+    // Far beyond any doubt; and else these quotients might not fit.
+    if (!(linear > real_mul(REAL(1e-3), force)) || !(linear > real_mul(REAL(1e-3), square))) return SSV_ANY_DRAG;
+    const real_t share = real_mul(real_div(square, linear), real_div(force, linear));
+    return share > SSV_DRAG_COUNTS ? SSV_ANY_DRAG : SSV_LINEAR_DRAG;
+}
+
 void ssv_capability_init(const ssv_question_t* question, ssv_capability_t* capability) {
     real_t price[SSV_NUM_DIRECTIONS], least = REAL(0);
     vec3_t n[SSV_NUM_DIRECTIONS];
     bool upright[SSV_NUM_DIRECTIONS];
     int num = 0;
+    capability->regime = regime_of(&question->problem->scenario);
+    capability->flight_m = typical_flight_m(&question->problem->scenario);
     for (int x = -1; x <= 1; x++) {
         for (int y = -1; y <= 1; y++) {
             for (int z = -1; z <= 1; z++) {
                 if (x == 0 && y == 0 && z == 0) continue;
                 n[num] = vec3_unit(vec3(real_from_int(x), real_from_int(y), real_from_int(z)));
                 upright[num] = z > 0 || (z == 0 && y >= 0);
-                price[num] = ssv_metre_price(question, n[num]);
+                price[num] = ssv_direction_price(question, capability, n[num]);
                 if (num == 0 || price[num] < least) least = price[num];
                 num++;
             }
@@ -141,12 +240,13 @@ void ssv_capability_init(const ssv_question_t* question, ssv_capability_t* capab
     for (int up = 1; up >= 0; up--) {
         for (int k = 0; k < num; k++) {
             if (price[k] > most || upright[k] != (up == 1)) continue;
-            improve_direction(question, &n[k], &price[k]);
+            improve_direction(question, capability, &n[k], &price[k]);
             capability->n[capability->num] = n[k];
             capability->price[capability->num++] = price[k];
         }
         if (up == 1) capability->num_upright = capability->num;
     }
+    rank_across(question, capability);
     const ssv_assembly_t alone = ssv_vehicle_alone(question->problem);
     ssv_turns_of(question->problem, &alone, &capability->rolled);
     ssv_turns_at(&capability->rolled, vec3(REAL(0), REAL(1), REAL(0)), &capability->turns);

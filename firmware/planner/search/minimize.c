@@ -104,11 +104,13 @@ void ssv_minimize(ssv_phase_context_t* context, const ssv_acceptance_t* acceptan
     first_steps(context, step);
     for (int n = 0; n < stage->num_sweeps; n++) {
         const ssv_free_numbers_t before = decision->free;
+        const real_t price_before = search.price;
         search_numbers(&search, step);
         if (stage->pairs) search_pairs(&search, step, 1 + n);
         direction_t pattern;
         for (int k = 0; k < SSV_NUM_FREE; k++) pattern.number[k] = decision->free.number[k] - before.number[k];
         search_along(&search, &pattern);
+        if (price_before - search.price < real_mul(acceptance->goes_on, price_before)) break;
     }
     *price = search.price;
 }

@@ -8,7 +8,8 @@
 #include "planner/search/seed.h"
 
 /// Improves a decision whose price is *price: each free number in turn, then pairs of them if the stage says so, then
-/// the way that the sweep went as a whole; so many sweeps. Steps shrink where nothing moves.
+/// the way that the sweep went as a whole; so many sweeps, fewer where one has gained little. Steps shrink where
+/// nothing moves.
 void ssv_minimize(ssv_phase_context_t* context, const ssv_acceptance_t* acceptance, const ssv_stage_t* stage,
                   ssv_decision_t* decision, real_t* price);
 

@@ -11,21 +11,21 @@
 #include "planner/search/seed.h"
 #include "ssv/vec3.h"
 
-static ssv_seeds_t fresh(ssv_phase_context_t* context, ssv_memory_t* memory, int num_modes, int num_seeds) {
-    const ssv_seeds_t seeds = ssv_screen_transfers(context, memory, num_modes, num_seeds);
+static ssv_seeds_t fresh(ssv_phase_context_t* context, ssv_memory_t* memory, const ssv_draw_t* draw) {
+    const ssv_seeds_t seeds = ssv_screen_transfers(context, memory, draw);
     for (int k = 0; k < seeds.num; k++) ssv_screen_both_ways_up(context, &memory->capability, &seeds.seed[k]);
     return seeds;
 }
 
 // Seeds of the transfer with the price of their transits: those that screening kept, or fresh ones.
 static ssv_seeds_t begin(ssv_phase_context_t* context, ssv_memory_t* memory, const ssv_budget_t* budget) {
-    if (budget->num_modes == 0) {
+    if (!budget->draws) {
         SSV_ASSERT(0 < memory->num_screened && memory->num_screened <= SSV_SCREENED_SEEDS);
         const ssv_seeds_t seeds = {memory->seed, memory->num_screened, SSV_MAX_SEEDS};
         for (int k = 0; k < seeds.num; k++) seeds.seed[k] = memory->screened[k];
         return seeds;
     }
-    return fresh(context, memory, budget->num_modes, budget->num_seeds);
+    return fresh(context, memory, &ssv_draws[memory->capability.regime].best);
 }
 
 // Refines fresh seeds, one after the other, until one is clear. @return which.
@@ -52,7 +52,7 @@ SSV_OWN_FRAME static void find(ssv_phase_context_t* context, ssv_memory_t* memor
     }
     int best = 0;
     if (budget->evasion[SSV_TRANSFER].num_refined > 0 && !ssv_decision_keeps_clear(context, &seeds.seed[0].decision)) {
-        seeds = fresh(context, memory, SSV_EVASION_MODES, SSV_EVASION_SEEDS);
+        seeds = fresh(context, memory, &ssv_evasion_draw);
         best = evade(context, budget, &seeds);
     }
     *transfer = seeds.seed[best].decision;
@@ -97,7 +97,7 @@ SSV_OWN_FRAME static ssv_candidate_t price_exactly(const ssv_phase_context_t* co
 }
 
 ssv_candidate_t ssv_optimal_search(const ssv_search_t* search, int contact, real_t height_m, ssv_effort_t effort) {
-    const ssv_budget_t* budget = &ssv_budgets[effort];
+    const ssv_budget_t* budget = ssv_budget(search->memory->capability.regime, effort);
     ssv_phase_context_t context = ssv_transfer_context(search->question, contact, height_m);
     context.closeness = budget->closeness;
     ssv_decision_t transfer, transit;

@@ -3,6 +3,7 @@
 #include "planner/math/assert.h"
 #include "planner/motion/price_order.h"
 #include "planner/search/minimize.h"
+#include "planner/search/tolerance.h"
 #include "ssv/scenario.h"
 #include "ssv/vec3.h"
 
@@ -49,11 +50,13 @@ void ssv_screen_both_ways_up(ssv_phase_context_t* context, const ssv_capability_
     if (ssv_clearly_less(ssv_seed_total(&other), ssv_seed_total(transfer))) *transfer = other;
 }
 
-ssv_seeds_t ssv_screen_transfers(ssv_phase_context_t* context, ssv_memory_t* memory, int num_modes, int num_seeds) {
-    SSV_ASSERT(num_modes * num_seeds <= SSV_MAX_SEEDS);
+ssv_seeds_t ssv_screen_transfers(ssv_phase_context_t* context, ssv_memory_t* memory, const ssv_draw_t* draw) {
     ssv_seeds_t all = {memory->seed, 0, SSV_MAX_SEEDS};
-    for (int mode = 0; mode < num_modes; mode++) {
-        ssv_seeds_t seeds = {&memory->seed[all.num], 0, num_seeds};
+    ssv_seed_begin(context, &memory->capability);
+    for (int mode = 0; mode < SSV_NUM_ATTITUDE_MODES; mode++) {
+        if (draw->num[mode] == 0) continue;
+        SSV_ASSERT(all.num + draw->num[mode] <= SSV_MAX_SEEDS);
+        ssv_seeds_t seeds = {&memory->seed[all.num], 0, draw->num[mode]};
         ssv_seed_transfer(context, &memory->capability, (ssv_attitude_mode_t)mode, &seeds);
         all.num += seeds.num;
     }
@@ -64,23 +67,26 @@ ssv_seeds_t ssv_screen_transfers(ssv_phase_context_t* context, ssv_memory_t* mem
 real_t ssv_screen(const ssv_search_t* search, int contact, real_t height_m, const real_t* to_beat) {
     ssv_memory_t* memory = search->memory;
     ssv_phase_context_t context = ssv_transfer_context(search->question, contact, height_m);
-    ssv_seeds_t seeds =
-        ssv_screen_transfers(&context, memory, SSV_SCREENED_MODES, SSV_SCREENED_SEEDS / SSV_SCREENED_MODES);
+    const ssv_draws_t* draws = &ssv_draws[memory->capability.regime];
+    ssv_seeds_t seeds = ssv_screen_transfers(&context, memory, &draws->screening);
     const ssv_seed_t* list = seeds.seed;
     SSV_ASSERT(seeds.num > 0);
-    // Where transfers cost the same, their transits decide, and where these do too, refinement.
-    const real_t least = list[0].price;
-    int num_alike = 0;
-    for (; num_alike < seeds.num && ssv_alike(least, list[num_alike].price); num_alike++) {
-        ssv_screen_both_ways_up(&context, &memory->capability, &seeds.seed[num_alike]);
+    // A transfer that costs a little more may have a transit that costs much less. Where both together cost the same,
+    // refinement decides.
+    const real_t least = list[0].price, worth = real_mul(SSV_TRANSIT_DECIDES, least);
+    int num = 0;
+    for (; num < seeds.num; num++) {
+        const bool near = num < draws->num_transits && list[num].price < worth;
+        if (!near && !ssv_alike(least, list[num].price)) break;
+        ssv_screen_both_ways_up(&context, &memory->capability, &seeds.seed[num]);
     }
-    ssv_seeds_sort(&seeds, num_alike);
+    ssv_seeds_sort(&seeds, num);
     *search->num_priced += context.num_priced;
     const real_t price = ssv_seed_total(&list[0]);
     if (to_beat != NULL && !ssv_clearly_less(price, *to_beat)) return price;
     memory->screened[0] = list[0];
     memory->num_screened = 1;
-    for (int k = 1; k < num_alike && ssv_alike(price, ssv_seed_total(&list[k])); k++) {
+    for (int k = 1; k < num && ssv_alike(price, ssv_seed_total(&list[k])); k++) {
         memory->screened[memory->num_screened++] = list[k];
     }
     return price;

@@ -32,8 +32,8 @@ real_t ssv_screen_flights(const ssv_search_t* search, int contact, real_t height
 /// *to_beat, or if that is NULL. @return about what ssv_optimal_search would find.
 real_t ssv_screen(const ssv_search_t* search, int contact, real_t height_m, const real_t* to_beat);
 
-/// Seeds of a transfer in the first few attitude modes, so many of each, priced by estimates.
-ssv_seeds_t ssv_screen_transfers(ssv_phase_context_t* context, ssv_memory_t* memory, int num_modes, int num_seeds);
+/// Seeds of a transfer, as many of each attitude mode as are to be drawn, priced by estimates.
+ssv_seeds_t ssv_screen_transfers(ssv_phase_context_t* context, ssv_memory_t* memory, const ssv_draw_t* draw);
 
 /// The cheapest transit to where the motion of a transfer begins: of so many seeds, refined as the budget says; with
 /// NULL they are priced and no more. *transit is written unless it is NULL. @return its estimated price.

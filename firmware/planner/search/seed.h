@@ -30,19 +30,19 @@ void ssv_seeds_price(ssv_phase_context_t* context, ssv_seeds_t* seeds);
 
 static inline real_t ssv_seed_total(const ssv_seed_t* seed) { return seed->price + seed->transit_price; }
 
-/// The attitude of the beam during a transfer: it keeps the one that it has at one of the ends, or it swings from one
-/// to the other, or it keeps that of one end but for a roll about the line of flight.
-typedef enum { SSV_HELD, SSV_SWUNG, SSV_ROLLED } ssv_attitude_mode_t;
-
-/// Seeds of a transit, into an empty list: each cheap direction of the body along the line of flight, and those that
-/// the attitudes at the ends fly along without a turn, rolled about that line so that the first turn or the last is the
-/// smallest.
+/// Seeds of a transit, into an empty list: one screw that makes all of the turn in flight; each cheap direction of the
+/// body along the line of flight, and those that the attitudes at the ends fly along without a turn, rolled about that
+/// line so that the first turn or the last is the smallest.
 void ssv_seed_transit(const ssv_phase_context_t* context, const ssv_capability_t* capability, ssv_seeds_t* seeds);
+
+/// Finds out what turns with the beam of this transfer cost: before seeding it in any mode.
+void ssv_seed_begin(const ssv_phase_context_t* context, ssv_capability_t* capability);
 
 /// Seeds of a transfer in one attitude mode, into an empty list. Two small turns cost more than one large: so each
 /// cheap direction of the body along the line of flight, the beam pointing as it lies, or as it docks, and the turn at
 /// the other end with all its spins. Or all of the turn is made in flight. The spins also decide on which sides of the
-/// beam the flight begins and ends, so how long it is.
+/// beam the flight begins and ends, so how long it is. Where the water drags at the beam more than at the vehicle, it
+/// pays to fly it lengthwise, whatever the turns at both ends cost.
 void ssv_seed_transfer(const ssv_phase_context_t* context, ssv_capability_t* capability, ssv_attitude_mode_t mode,
                        ssv_seeds_t* seeds);
 

@@ -106,10 +106,15 @@ static void begin_screening(ssv_choice_t* choice, ssv_effort_t effort, ssv_quote
     }
 }
 
+static const ssv_budget_t* budget_of(const ssv_choice_t* choice) {
+    return ssv_budget(choice->memory.capability.regime, choice->effort);
+}
+
 // Screens the next candidate: those with short flights. @return whether it was the last.
 static bool screen_next(ssv_choice_t* choice, ssv_quote_t* quote) {
     const ssv_search_t search = search_of(choice, quote);
     const bool all = choice->tries_all;
+    const ssv_budget_t* budget = budget_of(choice);
     ssv_prospects_t* prospects = &choice->prospects;
     while (choice->num_done < prospects->num) {
         const int n = choice->num_done++, next = least_of(prospects, prospects->screened);
@@ -123,9 +128,9 @@ static bool screen_next(ssv_choice_t* choice, ssv_quote_t* quote) {
         prospects->screened[next] = true;
         // Skip screening when the straight flights alone, plus half of the turning cost of the best candidate so far,
         // already cost as much as that candidate.
-        prospects->done[next] = !all && to_beat != NULL &&
-                                (n >= ssv_budgets[choice->effort].num_screened ||
-                                 flights + real_mul(SSV_TURNS_AT_LEAST, prospects->turns) >= *to_beat);
+        prospects->done[next] =
+            !all && to_beat != NULL &&
+            (n >= budget->num_screened || flights + real_mul(SSV_TURNS_AT_LEAST, prospects->turns) >= *to_beat);
         if (prospects->done[next]) continue;
         prospects->promise[next] = ssv_screen(&search, candidate->contact, candidate->attach_height_m, to_beat);
         if (to_beat == NULL || ssv_clearly_less(prospects->promise[next], *to_beat)) {
@@ -147,7 +152,7 @@ static bool is_worth_a_search(const ssv_choice_t* choice, int next) {
     const int n = choice->num_done;
     const real_t least = prospects->promise[prospects->favourite], promise = prospects->promise[next];
     if (n == 0 || choice->effort == SSV_EFFORT_BEST) return true;
-    if (n >= ssv_budgets[choice->effort].num_searched && !ssv_alike(least, promise)) return false;
+    if (n >= budget_of(choice)->num_searched && !ssv_alike(least, promise)) return false;
     return best->outcome != SSV_FEASIBLE || promise < real_mul(SSV_SEARCH_GAIN, best->cost);
 }
 

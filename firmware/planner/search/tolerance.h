@@ -22,6 +22,15 @@
 /// that of rounding.
 #define SSV_NO_TURN REAL(1e-4)
 
+/// Drag that is less than this part of the vehicle's linear drag, at the speeds of its flights, does not count: the
+/// search is that for linear drag. Smaller, and a vehicle like the models' is searched for longer, to find the same;
+/// larger, and beams that brake more than the vehicle are flown broadside.
+#define SSV_DRAG_COUNTS REAL(0.1)
+
+/// Flights shorter than this [m] are priced per metre as if they were as long. Smaller, and the price of getting under
+/// way hides what the drag is.
+#define SSV_SHORT_FLIGHT_M REAL(0.5)
+
 /// Directions of the body that cost more per metre than the cheapest times this are not seeded; the search still finds
 /// its way in between. Smaller, and a vehicle that is not quite symmetric loses seeds; larger, and each search pays for
 /// seeds that do not win.
@@ -37,6 +46,10 @@
 /// Part of the price of the turns of the best candidate so far that those of another are counted with at least, before
 /// they are known. Larger, and candidates are left out that would win.
 #define SSV_TURNS_AT_LEAST REAL(0.5)
+
+/// Transfers that cost no more than the cheapest times this get the price of their transits before one is chosen.
+/// Smaller, and the cheaper whole is missed; larger, and each candidate is looked at for longer.
+#define SSV_TRANSIT_DECIDES REAL(1.5)
 
 /// A candidate is not searched whose screening came out at this many times a price that is known: a search rarely gains
 /// more than that on its screening. Smaller, and it gives away gains; larger, and it searches for nothing.
