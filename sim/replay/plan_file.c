@@ -19,6 +19,10 @@
 /// A few roundings in float; the other arithmetics' are below every tolerance here.
 #define FLOAT_ROUNDING (4.0 * (double)FLT_EPSILON)
 
+/// How exactly the price of a plan is known, relative and at least, but for what float rounds over some ten legs.
+#define PRICE_TOLERANCE 1e-6
+#define PRICE_ROUNDINGS 40
+
 /// Ranges wide enough for any vehicle in any tank; they keep the arithmetic finite.
 typedef enum { POSITIVE, NOT_NEGATIVE, ANY } sign_t;
 #define LARGEST 1e10
@@ -341,6 +345,23 @@ static void take_timeline(reader_t* reader, const lcm_ssv_plan_t* from, plan_fil
     }
 }
 
+/// The price must be that of time and impulse, and no less than its bound.
+static void check_price(reader_t* reader, const lcm_ssv_scenario_t* scenario, const lcm_ssv_quote_t* quote) {
+    const double w_time = number(reader, "scenario.weight_time_per_s", scenario->weight_time_per_s, NOT_NEGATIVE);
+    const double w_impulse =
+        number(reader, "scenario.weight_impulse_per_Ns", scenario->weight_impulse_per_Ns, NOT_NEGATIVE);
+    const double cost = w_time * quote->time_s + w_impulse * quote->impulse_Ns;
+    const double slack = (PRICE_TOLERANCE + PRICE_ROUNDINGS * reader->rounding) * fmax(1, cost);
+    if (!(fabs(quote->cost - cost) <= slack)) {
+        fail(reader, "plan.quote.cost", "%.9g is not the %.9g of time_s and impulse_Ns by the scenario's weights",
+             quote->cost, cost);
+    }
+    if (!(quote->cost_lower_bound >= 0 && quote->cost_lower_bound <= quote->cost + slack)) {
+        fail(reader, "plan.quote.cost_lower_bound", "%.9g is outside [0, %.9g], the cost", quote->cost_lower_bound,
+             quote->cost);
+    }
+}
+
 static void take_plan(reader_t* reader, const lcm_ssv_scenario_t* scenario, const lcm_ssv_scene_t* scene,
                       const lcm_ssv_plan_t* from, plan_file_t* plan) {
     reader->rounding = from->answer.planner.scalar == LCM_SSV_PLANNER_T_SCALAR_FLOAT ? FLOAT_ROUNDING : 0;
@@ -348,6 +369,7 @@ static void take_plan(reader_t* reader, const lcm_ssv_scenario_t* scenario, cons
     plan->request_id = from->answer.asker.request_id;
     plan->time_s = number(reader, "plan.quote.time_s", from->quote.time_s, NOT_NEGATIVE);
     plan->impulse_Ns = number(reader, "plan.quote.impulse_Ns", from->quote.impulse_Ns, NOT_NEGATIVE);
+    check_price(reader, scenario, &from->quote);
     take_task(reader, scenario, plan);
     take_choice(reader, scenario, &from->quote.choice, plan);
     take_scene(reader, scenario, scene, plan);
