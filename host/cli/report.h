@@ -59,7 +59,7 @@ bool report_touches(const json_t* truth);
 
 /// The same as an object, for a file with several; NULL if the answer holds a number that is not finite, or out of
 /// memory.
-json_t* report_plan_object(const report_plan_t* plan);
+json_t* report_plan_object(const report_plan_t* report);
 json_t* report_flight_object(const report_flight_t* flight);
 
 /// Writes one JSON object; numbers have 17 digits, so reading them gives the same doubles. An answer with

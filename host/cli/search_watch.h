@@ -22,9 +22,9 @@ typedef struct {
 search_watch_t search_watch_begin(const pricing_t* pricing, double time_limit_s, bool (*gives_up)(void* context),
                                   void* context);
 
-/// What assembly_limits_t calls, the watch being its context.
-bool search_watch_must_stop(void* watch);
-void search_watch_found(void* watch, double cost, double lower_bound);
+/// What assembly_limits_t calls, the watch being the context.
+bool search_watch_must_stop(void* context);
+void search_watch_found(void* context, double cost, double lower_bound);
 
 /// Takes the line away.
 void search_watch_end(const search_watch_t* watch);
