@@ -29,6 +29,7 @@ static const char doc[] =
     "  ssv schedule ease.yaml --weights 1,0     time alone counts\n"
     "  ssv schedule ease.yaml --time-limit 10   the best that is found in 10 s, as after Ctrl-C\n"
     "  ssv schedule ease.yaml --lcm             running planners find the prices\n"
+    "  ssv schedule ease.yaml --front           what time and impulse can be traded for\n"
     "  ssv schedule ease.yaml --cache prices    asks only for what is not in the file yet\n"
     "  ssv schedule ease.yaml --format json --output schedule.json\n"
     "\n"
@@ -50,7 +51,7 @@ static const char doc[] =
     "  64  wrong arguments\n"
     "   1  anything else, e.g. FILE cannot be written\n";
 
-enum { KEY_WEIGHTS = 256, KEY_TIME_LIMIT, KEY_LCM, KEY_TIMEOUT, KEY_CACHE, KEY_FORMAT, KEY_OUTPUT };
+enum { KEY_WEIGHTS = 256, KEY_TIME_LIMIT, KEY_LCM, KEY_TIMEOUT, KEY_CACHE, KEY_FRONT, KEY_FORMAT, KEY_OUTPUT };
 
 static const struct argp_option options_table[] = {
     {"weights", KEY_WEIGHTS, "W1,W2", 0, "Weights of time [1/s] and impulse [1/(N s)] instead of the file's", 0},
@@ -59,6 +60,9 @@ static const struct argp_option options_table[] = {
      "Have all ssv-plannerd that are heard over LCM price the parts, instead of this program", 0},
     {"timeout", KEY_TIMEOUT, "S", 0, "How long to wait for an answer over LCM (default: 10)", 0},
     {"cache", KEY_CACHE, "FILE", 0, "Take prices from there, and add those that are new", 0},
+    {"front", KEY_FRONT, NULL, 0,
+     "The schedules of five pairs of weights, from time alone to impulse alone, side by side; --time-limit is for each",
+     0},
     {"format", KEY_FORMAT, "table|json", 0, "For people (default) or for programs", 0},
     {"output", KEY_OUTPUT, "FILE", 0, "Write there instead of to standard output, which is -", 0},
     {0},
@@ -68,7 +72,7 @@ typedef struct {
     const char *path, *output_path, *cache_path;
     const char* lcm_url;
     double weights[2], time_limit_s, timeout_s;
-    bool weights_given, as_json, over_lcm;
+    bool weights_given, as_json, over_lcm, want_front;
 } arguments_t;
 
 static bool parse_weights(const char* argument, double weights[2]) {
@@ -109,6 +113,12 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
         case KEY_CACHE:
             if (strcmp(argument, "-") == 0) argp_error(state, "--cache -: prices are kept in a file");
             arguments->cache_path = argument;
+            return 0;
+        case KEY_FRONT: arguments->want_front = true; return 0;
+        case ARGP_KEY_END:
+            if (arguments->want_front && arguments->weights_given) {
+                argp_error(state, "--front has weights of its own: leave out --weights");
+            }
             return 0;
         case KEY_FORMAT:
             arguments->as_json = strcmp(argument, "json") == 0;
@@ -333,7 +343,8 @@ static bool report_json(FILE* out, const void* content) {
 
 // ---- The command ----------------------------------------------------------------------------------------------------
 
-static int conclude(const arguments_t* arguments, const pricing_t* pricing, report_t* report) {
+/// Whether there is a schedule. @return EXIT_OK, or why not after a line on standard error.
+static int judge(const arguments_t* arguments, const pricing_t* pricing, const report_t* report) {
     const assembly_result_t* const result = report->result;
     if (pricing_is_cache_wrong(pricing)) {
         fprintf(stderr, "ssv: %s holds prices that this planner does not give; remove it\n", arguments->cache_path);
@@ -349,6 +360,11 @@ static int conclude(const arguments_t* arguments, const pricing_t* pricing, repo
                                               : "no schedule was found before the search was stopped");
         return EXIT_INFEASIBLE;
     }
+    return EXIT_OK;
+}
+
+static int show(const arguments_t* arguments, const pricing_t* pricing, report_t* report) {
+    const assembly_result_t* const result = report->result;
     char error[512];
     if (!announce_begin(&report->announce, report->structure, report->shown, result, error, sizeof error)) {
         fprintf(stderr, "ssv: %s\n", error);
@@ -363,6 +379,61 @@ static int conclude(const arguments_t* arguments, const pricing_t* pricing, repo
                                                                                                           : EXIT_FAILED;
 }
 
+// ---- The front ------------------------------------------------------------------------------------------------------
+
+enum { FRONT_POINTS = 5 };
+
+typedef struct {
+    double weights[2]; ///< of time and impulse
+    double cost, time_s, impulse_Ns;
+    bool optimal;
+} point_t;
+
+typedef struct {
+    const char* shown;
+    int count;
+    point_t point[FRONT_POINTS];
+} front_t;
+
+static void note_point(front_t* front, const report_t* report) {
+    point_t* const point = &front->point[front->count++];
+    const assembly_schedule_t* const schedule = &report->result->best;
+    *point =
+        (point_t){.weights = {report->structure->task.weight_time_per_s, report->structure->task.weight_impulse_per_Ns},
+                  .cost = schedule->cost,
+                  .optimal = report->result->status == HTN_OPTIMAL};
+    for (int i = 0; i < schedule->num_parts; i++) {
+        point->time_s += schedule->part[i].price.time_s;
+        point->impulse_Ns += schedule->part[i].price.impulse_Ns;
+    }
+}
+
+static bool front_table(FILE* out, const void* content) {
+    const front_t* const front = content;
+    fprintf(out, "%s: schedules by weights\n\n  %8s %12s %12s %14s %12s\n", front->shown, "W1 1/s", "W2 1/(N s)",
+            "time s", "impulse N s", "J");
+    for (int i = 0; i < front->count; i++) {
+        const point_t* const point = &front->point[i];
+        fprintf(out, "  %8g %12g %12.3f %14.3f %12.3f%s\n", point->weights[0], point->weights[1], point->time_s,
+                point->impulse_Ns, point->cost, point->optimal ? "" : "  not proved optimal");
+    }
+    return true;
+}
+
+static bool front_json(FILE* out, const void* content) {
+    const front_t* const front = content;
+    json_t* const points = json_array();
+    for (int i = 0; i < front->count; i++) {
+        const point_t* const point = &front->point[i];
+        json_array_append_new(points, json_pack("{s:[f,f],s:f,s:f,s:f,s:b}", "weights", point->weights[0],
+                                                point->weights[1], "cost", point->cost, "time_s", point->time_s,
+                                                "impulse_Ns", point->impulse_Ns, "optimal", point->optimal));
+    }
+    return wire_json_write(out, json_pack("{s:s,s:o}", "structure", front->shown, "front", points));
+}
+
+// ---- Prices, and the search -----------------------------------------------------------------------------------------
+
 /// Prices over LCM.
 typedef struct {
     ask_prices_t* line;
@@ -374,7 +445,9 @@ static bool ask_remote(void* context, const lcm_ssv_task_t* tasks, int count, lc
     return ask_prices(remote->line, tasks, count, quotes, NULL, NULL, remote->error, sizeof remote->error);
 }
 
-static int schedule(const arguments_t* arguments, const structure_t* structure, cache_t* cache, const char* shown) {
+/// Schedules the structure and shows that, or makes it a point of the front where there is one.
+static int schedule(const arguments_t* arguments, const structure_t* structure, cache_t* cache, const char* shown,
+                    front_t* front) {
     assembly_result_t result;
     remote_t remote = {.line = NULL};
     if (arguments->over_lcm) {
@@ -419,15 +492,33 @@ static int schedule(const arguments_t* arguments, const structure_t* structure, 
                         .stopped = watch.stopped,
                         .tasks = arguments->as_json ? json_array() : NULL};
     if (!sound) fprintf(stderr, "ssv: out of memory\n");
-    const int code = sound ? conclude(arguments, pricing, &report) : EXIT_FAILED;
+    int code = sound ? judge(arguments, pricing, &report) : EXIT_FAILED;
+    if (code == EXIT_OK && front == NULL) code = show(arguments, pricing, &report);
+    if (code == EXIT_OK && front != NULL) note_point(front, &report);
     json_decref(report.tasks);
     pricing_close(pricing);
     ask_prices_close(remote.line);
     return code;
 }
 
+/// One schedule, or one for each pair of weights.
+static int schedule_all(const arguments_t* arguments, structure_t* structure, cache_t* cache, const char* shown) {
+    static const double weights[FRONT_POINTS][2] = {{1, 0}, {1, 0.1}, {1, 1}, {0.1, 1}, {0, 1}};
+    if (!arguments->want_front) return schedule(arguments, structure, cache, shown, NULL);
+    front_t front = {.shown = shown};
+    int code = EXIT_OK;
+    for (int i = 0; i < FRONT_POINTS && code == EXIT_OK && interrupted == 0; i++) {
+        structure->task.weight_time_per_s = weights[i][0];
+        structure->task.weight_impulse_per_Ns = weights[i][1];
+        code = schedule(arguments, structure, cache, shown, &front);
+    }
+    if (code != EXIT_OK) return code;
+    return output_report(arguments->output_path, arguments->as_json ? front_json : front_table, &front) ? EXIT_OK
+                                                                                                        : EXIT_FAILED;
+}
+
 /// Likewise with prices from a file, and to it.
-static int schedule_with_cache(const arguments_t* arguments, const structure_t* structure, const char* shown) {
+static int schedule_with_cache(const arguments_t* arguments, structure_t* structure, const char* shown) {
     char head[160], error[512] = "out of memory";
     snprintf(head, sizeof head, "planner %s, %s, effort %s, steps %d", SSV_VERSION, ssv_scalar,
              name_of(&names_effort, structure->task.options.effort), PRICING_STEPS);
@@ -438,7 +529,7 @@ static int schedule_with_cache(const arguments_t* arguments, const structure_t* 
         return cache == NULL ? EXIT_FAILED : EXIT_INVALID;
     }
     const int before = cache_count(cache);
-    int code = schedule(arguments, structure, cache, shown);
+    int code = schedule_all(arguments, structure, cache, shown);
     const bool has_more = cache_count(cache) > before && code != EXIT_INVALID;
     if (has_more && !price_file_write(cache, arguments->cache_path) && code == EXIT_OK) code = EXIT_FAILED;
     cache_close(cache);
@@ -471,5 +562,5 @@ int schedule_command(int argc, char** argv) {
         structure.task.weight_impulse_per_Ns = arguments.weights[1];
     }
     return arguments.cache_path != NULL ? schedule_with_cache(&arguments, &structure, shown)
-                                        : schedule(&arguments, &structure, NULL, shown);
+                                        : schedule_all(&arguments, &structure, NULL, shown);
 }

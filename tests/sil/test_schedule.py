@@ -33,6 +33,25 @@ def line_of(text, part):
     return text[:text.index(part)].count("\n") + 1
 
 
+class FrontTest(unittest.TestCase):
+    def test_no_point_of_a_front_is_beaten_by_another_at_its_own_weights(self):
+        done = ssv_schedule("-", "--front", "--format", "json", text=THREE)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        points = json.loads(done.stdout)["front"]
+        self.assertEqual([point["weights"] for point in points], [[1, 0], [1, 0.1], [1, 1], [0.1, 1], [0, 1]])
+        for point in points:
+            W1, W2 = point["weights"]
+            self.assertAlmostEqual(point["cost"], W1 * point["time_s"] + W2 * point["impulse_Ns"], delta=1e-9 * point["cost"])
+            for other in points:
+                # Each is the least by the planner's quick search, whose plans for other weights may be a little cheaper here.
+                self.assertLess(point["cost"], 1.02 * (W1 * other["time_s"] + W2 * other["impulse_Ns"]))
+
+    def test_a_front_has_weights_of_its_own(self):
+        done = ssv_schedule("-", "--front", "--weights", "1,1", text=THREE)
+        self.assertEqual(done.returncode, 64)
+        self.assertIn("--weights", done.stderr)
+
+
 class RefusedTest(unittest.TestCase):
     def assert_refused(self, text, at, key, reason):
         """`at` is in the line that is at fault."""
