@@ -8,6 +8,7 @@ import os
 import struct
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import unittest
@@ -174,10 +175,12 @@ class Askers(Bus):
         self.assertEqual(len(json.loads(stdout)["quotes"]), 40 * len(SCENARIOS))
 
     def test_two_demos_at_once_both_work(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
         for _ in range(20 if LONG else 2):
-            demos = [subprocess.Popen([sys.executable, "-B", SOURCE / "host/demo.py", BIN], stdout=subprocess.PIPE,
-                                      stderr=subprocess.PIPE, env=dict(os.environ, LCM_DEFAULT_URL=self.url))
-                     for _ in range(2)]
+            demos = [subprocess.Popen([sys.executable, "-B", SOURCE / "host/demo.py", BIN, Path(folder.name) / f"{number}.html"],
+                                      stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                      env=dict(os.environ, LCM_DEFAULT_URL=self.url)) for number in range(2)]
             for demo in demos:
                 _, stderr = demo.communicate(timeout=200)
                 self.assertEqual((demo.returncode, stderr), (0, b""))
