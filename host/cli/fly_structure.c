@@ -32,10 +32,10 @@ typedef struct {
     const char* outcome;
     char reason[128];
     bool is_docked;
-    double time_s, impulse_Ns;       ///< flown
-    double clearance_m;              ///< least, of the simulator; NAN where nothing stands around
-    double position_m, angle_rad;    ///< at the dock
-    uint64_t planned_hash, now_hash; ///< of the plan in the schedule, and of the one that was flown
+    double time_s, impulse_Ns;    ///< flown
+    double clearance_m;           ///< least, of the simulator; NAN where nothing stands around
+    double position_m, angle_rad; ///< at the dock
+    uint64_t plan_hash;           ///< of the plan that was flown
 } row_t;
 
 /// The assembly, and what has come of it so far.
@@ -195,7 +195,7 @@ static void note_flown(assembly_flight_t* flight, row_t* row, const flight_resul
     row->clearance_m = json_is_object(clearance) ? number_of(clearance, "least_m") : (double)NAN;
     row->position_m = number_of(dock, "position_m");
     row->angle_rad = number_of(dock, "angle_rad");
-    row->now_hash = (uint64_t)result->plan.plan_hash;
+    row->plan_hash = (uint64_t)result->plan.plan_hash;
     flight->flown_s += row->time_s;
     flight->flown_Ns += row->impulse_Ns;
     flight->touched = flight->touched || report_touches(result->truth);
@@ -283,7 +283,7 @@ static int assemble(assembly_flight_t* flight) {
         code = fly_part(flight);
         const row_t* const row = &flight->row[flight->num_rows - 1];
         part->state = row->is_docked ? LCM_SSV_SCHEDULE_PART_T_STATE_STANDS : LCM_SSV_SCHEDULE_PART_T_STATE_FAILED;
-        part->plan_hash = (int64_t)row->now_hash;
+        part->plan_hash = (int64_t)row->plan_hash;
         tell(flight);
         flight->next++;
         flight->num_vain = row->is_docked ? 0 : flight->num_vain + 1;

@@ -13,7 +13,7 @@
 
 static const char doc[] =
     "Turns a log that lcm-logger recorded into tables: one CSV file for each kind of message, and for the legs, arcs, "
-    "segments, events, candidates and obstacles that they list."
+    "segments, events, candidates, obstacles and parts that they list."
     "\vExamples:\n"
     "  build/venv/bin/lcm-logger --channel 'SSV_.*' tank.lcmlog\n"
     "                                       records, until Ctrl-C\n"

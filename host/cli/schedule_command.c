@@ -75,19 +75,12 @@ typedef struct {
     bool weights_given, as_json, over_lcm, want_front;
 } arguments_t;
 
-static bool parse_weights(const char* argument, double weights[2]) {
-    char first[64];
-    const char* const comma = strchr(argument, ',');
-    snprintf(first, sizeof first, "%.*s", comma == NULL ? 0 : (int)(comma - argument), argument);
-    return comma != NULL && tree_number(first, &weights[0]) && tree_number(comma + 1, &weights[1]);
-}
-
 static error_t parse_option(int key, char* argument, struct argp_state* state) {
     arguments_t* const arguments = state->input;
     switch (key) {
         case KEY_WEIGHTS:
-            if (!parse_weights(argument, arguments->weights)) {
-                argp_error(state, "--weights %s: not two numbers, e.g. 1,0.5", argument);
+            if (!task_parse_weights(argument, arguments->weights)) {
+                argp_error(state, "--weights %s: not two numbers with a comma between, e.g. 1,0.5", argument);
             }
             arguments->weights_given = true;
             return 0;

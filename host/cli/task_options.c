@@ -104,8 +104,7 @@ typedef struct {
     task_use_t use;
 } input_t;
 
-/// "W1,W2"; the numbers' ranges are the planner's to judge.
-static bool parse_weights(const char* text, double weights[2]) {
+bool task_parse_weights(const char* text, double weights[2]) {
     const char* const comma = strchr(text, ',');
     char first[64];
     if (comma == NULL || (size_t)(comma - text) >= sizeof first) {
@@ -127,7 +126,7 @@ static error_t parse_option(int key, char* argument, struct argp_state* state) {
             }
             return 0;
         case KEY_WEIGHTS:
-            if (!parse_weights(argument, options->weights)) {
+            if (!task_parse_weights(argument, options->weights)) {
                 argp_error(state, "--weights %s: not two numbers with a comma between, e.g. 1,0.5", argument);
             }
             options->weights_given = true;

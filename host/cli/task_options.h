@@ -35,6 +35,9 @@ typedef struct {
 /// A task that is only shown has the options of the question alone.
 void task_options_parse(task_options_t* options, const char* doc, int max_paths, task_use_t use, int argc, char** argv);
 
+/// "W1,W2"; the numbers' ranges are the planner's to judge. @return false if there are not two.
+bool task_parse_weights(const char* text, double weights[2]);
+
 /// A folder of data that is installed with this program, by its path from the program's; the caller frees it. NULL if
 /// out of memory.
 char* task_data_folder(const char* from_bin);

@@ -19,7 +19,7 @@ static const struct {
 } kinds[] = {
     {"task_t", "tasks"},          {"scenario_batch_t", "batches"},      {"plan_t", "plans"},
     {"quote_batch_t", "answers"}, {"planner_status_t", "status"},       {"execution_t", "execution"},
-    {"control_t", "control"},     {"vehicle_state_t", "vehicle_state"},
+    {"control_t", "control"},     {"vehicle_state_t", "vehicle_state"}, {"schedule_t", "schedules"},
 };
 enum { NUM_KINDS = sizeof kinds / sizeof kinds[0] };
 
@@ -36,6 +36,7 @@ static const struct {
     {"quotes", "quote_t", "quotes"},
     {"candidates", "candidate_t", "candidates"},
     {"front", "candidate_t", "front"},
+    {"parts", "schedule_part_t", "parts"},
 };
 enum { NUM_LISTS = sizeof lists / sizeof lists[0], NUM_TABLES = 1 + NUM_KINDS + NUM_LISTS };
 

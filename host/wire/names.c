@@ -6,6 +6,9 @@
 
 #include "ssv/answer.h"
 
+/// Parts of a schedule that is heard: more than any structure file can have.
+#define SCHEDULE_PARTS_MAX 128
+
 const names_t names_status = {"quote_t", "status", 4, {"ok", "infeasible", "invalid", "numeric_overflow"}};
 const names_t names_phase = {"leg_t", "phase", 2, {"transit", "transfer"}};
 const names_t names_kind = {"leg_t", "kind", 3, {"translate", "turn", "screw"}};
@@ -69,6 +72,7 @@ int32_t names_most_elements(const char* type, const char* field) {
         {"plan_t", "events", SSV_MAX_EVENTS},
         {"quote_batch_t", "quotes", SSV_MAX_BATCH},
         {"scenario_batch_t", "scenarios", SSV_MAX_BATCH},
+        {"schedule_t", "parts", SCHEDULE_PARTS_MAX},
     };
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
         if (strcmp(lists[i].type, type) == 0 && strcmp(lists[i].field, field) == 0) {

@@ -19,19 +19,6 @@
 void setUp(void) {}
 void tearDown(void) {}
 
-static void numbers_of_vector(vec3_t v, double n[3]) {
-    n[0] = real_to_double(v.x);
-    n[1] = real_to_double(v.y);
-    n[2] = real_to_double(v.z);
-}
-
-static void numbers_of_attitude(quat_t q, double n[4]) {
-    n[0] = real_to_double(q.w);
-    n[1] = real_to_double(q.x);
-    n[2] = real_to_double(q.y);
-    n[3] = real_to_double(q.z);
-}
-
 static structure_t sample_structure(int number) {
     sample_seed(SEED + (uint64_t)number);
     return structures_sample(SLOTS);
@@ -230,15 +217,19 @@ static void test_order_and_names_in_the_file_have_no_part_in_the_cost(void) {
     }
 }
 
-static void move_point(pose_t X, double p[3]) { numbers_of_vector(vec3_add(X.p, quat_apply(X.q, vector_of(p))), p); }
+static void move_point(pose_t X, double p[3]) {
+    structures_numbers_of_vector(vec3_add(X.p, quat_apply(X.q, vector_of(p))), p);
+}
 
-static void turn_axis(pose_t X, double axis[3]) { numbers_of_vector(quat_apply(X.q, vector_of(axis)), axis); }
+static void turn_axis(pose_t X, double axis[3]) {
+    structures_numbers_of_vector(quat_apply(X.q, vector_of(axis)), axis);
+}
 
 static void move_pose(pose_t X, double p[3], double q[4]) {
     const quat_t attitude = {real_from_double(q[0]), real_from_double(q[1]), real_from_double(q[2]),
                              real_from_double(q[3])};
     move_point(X, p);
-    numbers_of_attitude(quat_mul(X.q, attitude), q);
+    structures_numbers_of_attitude(quat_mul(X.q, attitude), q);
 }
 
 /// The same structure with all that belongs to it, elsewhere.

@@ -21,9 +21,10 @@ SOURCE = Path(os.environ["SSV_SOURCE_DIR"])
 LOGGER = Path(sys.executable).with_name("lcm-logger")
 OK, FAILED, REFUSED, USAGE = 0, 1, 2, 64
 TABLES = {"task_t": "tasks", "scenario_batch_t": "batches", "plan_t": "plans", "quote_batch_t": "answers", "planner_status_t": "status",
-          "execution_t": "execution", "control_t": "control", "vehicle_state_t": "vehicle_state"}
+          "execution_t": "execution", "control_t": "control", "vehicle_state_t": "vehicle_state",
+          "schedule_t": "schedules"}
 BY_HASH = {getattr(messages, name)._get_packed_fingerprint(): name for name in TABLES}
-LISTS = {"scenarios", "obstacles", "legs", "arcs", "segments", "events", "quotes", "candidates", "front"}
+LISTS = {"scenarios", "obstacles", "legs", "arcs", "segments", "events", "quotes", "candidates", "front", "parts"}
 
 
 def rows_of(path):
@@ -74,6 +75,8 @@ class Log(unittest.TestCase):
                            env=environment, check=True, capture_output=True, timeout=60)
             subprocess.run([BIN / "ssv", "fly", SOURCE / "host/scenarios/clear/port2_either.yaml", "--sim", "--rate", "100", f"--lcm={environment['LCM_DEFAULT_URL']}"],
                            env=environment, check=True, capture_output=True, timeout=120)
+            subprocess.run([BIN / "ssv", "schedule", SOURCE / "host/structures/one_beam.yaml", "--lcm"], env=environment, check=True,
+                           capture_output=True, timeout=60)
             time.sleep(0.5)
         finally:
             planner.terminate()
@@ -95,7 +98,7 @@ class Log(unittest.TestCase):
         self.assertEqual(len(listed), len(decoded))
         self.assertEqual([row["type"] for row in listed], [name or "" for _, name, _ in decoded])
         self.assertEqual([int(row["received_us"]) for row in listed], [event.timestamp for event, _, _ in decoded])
-        for name in ("plan_t", "execution_t", "vehicle_state_t", "planner_status_t", "task_t", "quote_batch_t"):
+        for name in ("plan_t", "execution_t", "vehicle_state_t", "planner_status_t", "task_t", "quote_batch_t", "schedule_t"):
             self.assertGreater(found[name], 0)
         for name, table in TABLES.items():
             rows, of_type = self.table(table), [(event, message) for event, other, message in decoded if other == name]
@@ -111,6 +114,12 @@ class Log(unittest.TestCase):
             for row, (number, i, element) in zip(rows, wanted):
                 self.assertEqual((int(row["message"]), int(row["index"])), (number, i))
                 self.assert_cells(row, cells(element))
+        parts = [(event.eventnum, i, part) for event, name, message in decoded if name == "schedule_t"
+                 for i, part in enumerate(message.parts)]
+        rows = self.table("parts")
+        self.assertEqual([(int(row["message"]), int(row["index"])) for row in rows], [part[:2] for part in parts])
+        for row, (_, _, part) in zip(rows, parts):
+            self.assert_cells(row, cells(part))
         quotes = [quote for _, name, message in decoded if name == "quote_batch_t" for quote in message.quotes]
         self.assertEqual(len(self.table("quotes")), len(quotes))
         self.assertEqual(len(self.table("front")), sum(quote.num_front for quote in quotes))

@@ -12,13 +12,13 @@ bool structures_open(char* error, size_t error_size) {
     return structure_read(&ease, HOST_DIR "/structures/ease.yaml", HOST_DIR "/models", error, error_size);
 }
 
-static void numbers_of_vector(vec3_t v, double n[3]) {
+void structures_numbers_of_vector(vec3_t v, double n[3]) {
     n[0] = real_to_double(v.x);
     n[1] = real_to_double(v.y);
     n[2] = real_to_double(v.z);
 }
 
-static void numbers_of_attitude(quat_t q, double n[4]) {
+void structures_numbers_of_attitude(quat_t q, double n[4]) {
     n[0] = real_to_double(q.w);
     n[1] = real_to_double(q.x);
     n[2] = real_to_double(q.y);
@@ -55,13 +55,13 @@ structure_t structures_sample(int num_slots) {
     }
     structures_find_touching(&s);
     for (int b = 0; b < s.num_beams; b++) {
-        numbers_of_vector(sample_vector(3), s.beam[b].p_IB_m);
-        numbers_of_attitude(sample_attitude(), s.beam[b].q_IB);
+        structures_numbers_of_vector(sample_vector(3), s.beam[b].p_IB_m);
+        structures_numbers_of_attitude(sample_attitude(), s.beam[b].q_IB);
         s.beam[b].p_IB_m[0] -= 7;
     }
     s.slot[sample_below(num_slots)].beam = sample_below(4) == 0 ? sample_below(s.num_beams) : -1;
-    numbers_of_vector(sample_vector(2), s.p_IS_m);
-    numbers_of_attitude(sample_attitude(), s.q_IS);
+    structures_numbers_of_vector(sample_vector(2), s.p_IS_m);
+    structures_numbers_of_attitude(sample_attitude(), s.q_IS);
     s.p_IS_m[1] += 7;
     s.touching = sample_below(2) == 0;
     s.obstacles = sample_below(3) != 0;

@@ -2,6 +2,7 @@
 #ifndef TESTS_STRUCTURES_H
 #define TESTS_STRUCTURES_H
 
+#include "ssv/vec3.h"
 #include "structure.h"
 
 /// Reads EASE, of which the others are made. @return false with a sentence in `error`.
@@ -13,6 +14,10 @@ structure_t structures_sample(int num_slots);
 
 /// Finds out which slots touch one another, where slots or hubs were changed.
 void structures_find_touching(structure_t* structure);
+
+/// The core's vectors and quaternions as a structure file's numbers have them.
+void structures_numbers_of_vector(vec3_t v, double n[3]);
+void structures_numbers_of_attitude(quat_t q, double n[4]);
 
 /// Whether two slots are at one hub.
 bool structures_share_a_hub(const structure_slot_t* a, const structure_slot_t* b);

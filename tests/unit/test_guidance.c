@@ -314,23 +314,37 @@ static void test_vehicle_mates_after_two_seconds_inside_the_tolerance_and_not_be
     TEST_ASSERT_TRUE(guidance.mated);
 }
 
-static void test_vehicle_that_stays_outside_the_tolerance_backs_off_comes_again_and_gives_up_in_the_open(void) {
+/// @param counts  whether anything stands around. @return how far it has backed off in the end.
+static double give_up(bool counts) {
     pose_t beside = place_to_mate();
+    ssv_problem_t beset = problem;
+    beset.around.counts = counts;
+    ssv_guidance_init(&guidance, &beset, &plan, &config);
     beside.p = vec3_add(beside.p, vec3(0, 0, 2 * DWELL_TIP_M));
     arrive(beside, plan.event[0].t_s);
-    int seen[6] = {0};
+    command.state = SSV_GUIDANCE_FLYING;
+    int seen[6] = {0}, steps = 0, steps_back = 0;
     ssv_guidance_state_t last = SSV_GUIDANCE_FLYING;
     for (int k = 0; k < 20 * 600 && command.state != SSV_GUIDANCE_ABORTED; k++) {
         TEST_ASSERT_EQUAL(0, steps_until_attempt(beside, 1));
         if (command.state != last) seen[command.state]++;
+        steps = command.state != last ? 0 : steps + 1;
+        if (command.state == SSV_GUIDANCE_BACKING_OFF) steps_back = steps;
         last = command.state;
     }
     TEST_ASSERT_EQUAL(SSV_GUIDANCE_TRIES, seen[SSV_GUIDANCE_DWELLING]);
     TEST_ASSERT_EQUAL(SSV_GUIDANCE_TRIES, seen[SSV_GUIDANCE_BACKING_OFF]);
     TEST_ASSERT_EQUAL(SSV_GUIDANCE_TRIES - 1, seen[SSV_GUIDANCE_RETURNING]);
     TEST_ASSERT_EQUAL(1, seen[SSV_GUIDANCE_ABORTED]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, BACK_OFF_M, guidance.back_off_m);
     TEST_ASSERT_EQUAL(SSV_ATTEMPT_NONE, command.attempt);
+    // The last time it stays where it has backed off to, until it has come to rest; two steps for the ends.
+    TEST_ASSERT_DOUBLE_WITHIN(2 * STEP_S, guidance.back_off_m / BACK_OFF_M_S + BACK_OFF_REST_S, steps_back * STEP_S);
+    return guidance.back_off_m;
+}
+
+static void test_vehicle_that_stays_outside_the_tolerance_backs_off_comes_again_and_gives_up_at_rest(void) {
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, BACK_OFF_M, give_up(false));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, BACK_OFF_NEAR_M, give_up(true)); // there may be no more room than that
 }
 
 static void test_missed_attempt_backs_off_away_from_the_beam_and_out_of_the_port(void) {
@@ -381,7 +395,7 @@ int main(void) {
     RUN_TEST(test_clock_waits_for_what_lags_along_the_path_and_not_for_what_is_ahead_or_beside_it);
     RUN_TEST(test_lost_across_the_path_asks_for_a_new_plan_and_lag_along_it_does_not);
     RUN_TEST(test_vehicle_mates_after_two_seconds_inside_the_tolerance_and_not_before);
-    RUN_TEST(test_vehicle_that_stays_outside_the_tolerance_backs_off_comes_again_and_gives_up_in_the_open);
+    RUN_TEST(test_vehicle_that_stays_outside_the_tolerance_backs_off_comes_again_and_gives_up_at_rest);
     RUN_TEST(test_missed_attempt_backs_off_away_from_the_beam_and_out_of_the_port);
     RUN_TEST(test_docked_vehicle_gives_no_thrust);
     return UNITY_END();
