@@ -14,6 +14,7 @@
 #include "price_file.h"
 #include "report.h"
 #include "scheduler/assembly.h"
+#include "scheduler/bound.h"
 #include "scheduler/pricing.h"
 #include "search_watch.h"
 #include "ssv/answer.h"
@@ -246,13 +247,14 @@ static void quality_lines(FILE* out, const report_t* report) {
         fprintf(out, "Not proved optimal: no schedule costs less than %.3f, so this one is at most %.1f %% above",
                 result->lower_bound, 100 * (result->best.cost / result->lower_bound - 1));
     } else {
-        fprintf(out, "Not proved optimal, and there was no time for a bound");
+        fprintf(out, "Not proved optimal, and without a bound: %s",
+                bound_fits(report->structure) ? "there was no time" : "there are too many parts for one");
     }
     if (result->greedy.num_parts > 0) {
         fprintf(out, "; the cheapest part each time makes J = %.3f, %+.1f %%\n", result->greedy.cost,
                 100 * (result->greedy.cost / result->best.cost - 1));
     } else {
-        fprintf(out, "; the cheapest part each time leads nowhere\n");
+        fprintf(out, "; the cheapest part each time %s\n", result->greedy_tried ? "leads nowhere" : "was not tried");
     }
 }
 

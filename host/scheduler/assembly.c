@@ -6,10 +6,24 @@
 #include <string.h>
 
 #include "bound.h"
+#include "estimate.h"
+#include "stages.h"
 
 /// A price among obstacles is sought down to this share of the least one past the hubs alone: what stands makes the
 /// planner look at more ways, and seldom it finds a better one.
 #define FIRST_SHARE 0.9
+/// In how many steps it is proved that nothing is better; what one has proved holds if the next is not done in time.
+#define PASSES 5
+
+/// How many ways are carried on together at most before the search that may prove something, or else in all; and how
+/// many parts of each are priced.
+#define WAYS_BEFORE 64
+#define WAYS_MAX 256
+#define PARTS_PRICED 16
+
+/// Beyond so many parts the cheapest of all each time takes too many prices.
+#define GREEDY_PARTS_MAX 1000
+
 #define CERTAIN_SHARE (1 - 1e-9) ///< but for rounding of sums
 
 enum { ASSEMBLE_STRUCTURE, ASSEMBLE_PART, FLY_TO_BEAM, FLY_BEAM_TO_HUB };
@@ -45,6 +59,8 @@ typedef struct {
     choice_t under_way;                    ///< what the vehicle has flown to
     assembly_question_t* questions;
     assembly_price_t* answers;
+    double proved; ///< that no schedule costs less
+    double below;  ///< only schedules that cost less are of interest
     bool in_vain;
     assembly_schedule_t best;
 } assembly_t;
@@ -89,10 +105,12 @@ static void note_share(assembly_t* assembly, int beam, int slot, double cost) {
     if (least > 0) assembly->lowest_share = fmin(assembly->lowest_share, cost / least);
 }
 
-/// Whether the least that a part and all before and after it cost is less than the best schedule does. The search adds
-/// up in the same order, and so leaves out exactly the parts that have no price for this reason.
+/// Whether the least that a part and all before and after it cost is less than the best schedule, and what is of
+/// interest, does. The search adds up in the same order, and so leaves out exactly the parts that have no price for
+/// this reason.
 static bool is_of_use(const assembly_t* assembly, double promise) {
-    return assembly->best.num_parts == 0 || assembly->spent + promise < assembly->best.cost;
+    const double best = assembly->best.num_parts > 0 ? assembly->best.cost : (double)INFINITY;
+    return assembly->spent + promise < fmin(best, assembly->below);
 }
 
 /// Finds all parts that may come next, and has those priced that are of use. @return false if that was in vain.
@@ -261,9 +279,10 @@ static double least_of_all(const assembly_t* assembly) {
                : assembly->share * bound_rest(assembly->bound, structure->stands, structure->gone, start);
 }
 
+/// Tells the best schedule, and what is proved by now.
 static void report_found(const assembly_t* assembly) {
     const assembly_limits_t* const limits = assembly->limits;
-    if (limits->found != NULL) limits->found(limits->context, assembly->best.cost, least_of_all(assembly));
+    if (limits->found != NULL) limits->found(limits->context, assembly->best.cost, assembly->proved);
 }
 
 /// Where the vehicle starts, with what stands then.
@@ -327,44 +346,94 @@ static void assembly_close(assembly_t* assembly) {
     free(assembly);
 }
 
-/// One search with the share as it is.
-static void search_once(assembly_t* assembly, assembly_result_t* result) {
+/// One search, with the share as it is, for schedules that cost less than so much. @return whether it was not stopped:
+/// then there is none that costs less than the best and than so much.
+static bool search_below(assembly_t* assembly, double below, assembly_result_t* result) {
     static const htn_task_t all = {ASSEMBLE_STRUCTURE, {0}};
-    const htn_limits_t limits = {.stop = must_stop, .found = found, .context = assembly};
-    assembly->best = (assembly_schedule_t){0};
+    const htn_limits_t limits = {
+        .most = isfinite(below) ? below : 0, .stop = must_stop, .found = found, .context = assembly};
+    assembly->below = below;
     htn_result_t plan = htn_search(&domain, assembly, &all, 1, &limits);
     free(plan.plan.steps);
-    result->status = assembly->in_vain ? HTN_STOPPED : plan.status;
-    result->lower_bound = assembly->in_vain ? least_of_all(assembly) : plan.lower_bound;
     result->nodes += plan.nodes;
     result->states = plan.memories;
-    if (result->best.num_parts == 0 || (assembly->best.num_parts > 0 && assembly->best.cost < result->best.cost)) {
-        result->best = assembly->best;
-    }
+    result->status = assembly->in_vain ? HTN_STOPPED : plan.status;
+    return result->status == HTN_OPTIMAL || result->status == HTN_NO_PLAN;
 }
 
-/// Searches until no price that was seen is below the share of the bound's that the search has relied on.
-static void search(assembly_t* assembly, assembly_result_t* result) {
+/// Proves more and more, with the share as it is, until the best schedule is proved or the search is stopped.
+static void prove_more(assembly_t* assembly, assembly_result_t* result) {
+    const double least = least_of_all(assembly);
+    bool going_on = true;
+    assembly->proved = least;
+    for (int pass = 1; pass <= PASSES && going_on; pass++) {
+        const double best = assembly->best.num_parts > 0 ? assembly->best.cost : (double)INFINITY;
+        const bool is_last = pass == PASSES || !isfinite(best) || least >= best;
+        const double below = is_last ? best : least + (best - least) * pass / PASSES;
+        going_on = search_below(assembly, below, result);
+        const bool has_better = assembly->best.num_parts > 0 && assembly->best.cost < below;
+        if (going_on) assembly->proved = has_better ? assembly->best.cost : below;
+        if (going_on && (is_last || has_better)) {
+            result->status = assembly->best.num_parts > 0 ? HTN_OPTIMAL : HTN_NO_PLAN;
+            going_on = false;
+        }
+        if (going_on && assembly->best.num_parts > 0) report_found(assembly);
+    }
+    result->lower_bound = assembly->proved;
+}
+
+static void take(assembly_t* assembly, const assembly_schedule_t* schedule) {
+    if (schedule->num_parts == 0) return;
+    if (assembly->best.num_parts > 0 && assembly->best.cost <= schedule->cost) return;
+    assembly->best = *schedule;
+    report_found(assembly);
+}
+
+/// More and more ways together.
+static void search_stages(assembly_t* assembly, int most_ways) {
+    estimate_t* const estimate = estimate_open(assembly->structure, assembly->prices, must_stop, assembly);
+    bool going_on = estimate != NULL;
+    for (int ways = 1; ways <= most_ways && going_on; ways *= 4) {
+        const stages_result_t result =
+            stages_search(assembly->structure, assembly->prices, estimate, ways, PARTS_PRICED, must_stop, assembly);
+        take(assembly, &result.best);
+        assembly->in_vain = result.in_vain;
+        going_on = !result.in_vain && !result.stopped && !result.out_of_memory;
+    }
+    estimate_close(estimate);
+}
+
+/// Proves that the best schedule is best, until no price that was seen is below the share of the bound's that the proof
+/// has relied on.
+static void prove(assembly_t* assembly, assembly_result_t* result) {
     const bool certain = !assembly->structure->obstacles;
-    if (be_greedy(assembly, &result->greedy)) {
-        result->best = assembly->best = result->greedy;
-        report_found(assembly);
-    }
-    if (!assembly->in_vain) {
-        assembly->bound = bound_open(assembly->structure, assembly->prices, must_stop, assembly);
-    }
+    assembly->bound = bound_open(assembly->structure, assembly->prices, must_stop, assembly);
     assembly->share = certain ? CERTAIN_SHARE : FIRST_SHARE;
     assembly->lowest_share = 1;
     for (bool again = true; again;) {
-        search_once(assembly, result);
+        prove_more(assembly, result);
         again = result->status != HTN_STOPPED && result->status != HTN_NO_MEMORY &&
                 assembly->lowest_share < assembly->share;
         if (again) assembly->share = fmax(0, 1 - 2 * (1 - assembly->lowest_share));
     }
-    result->asked_in_vain = assembly->in_vain;
     result->relied_share = assembly->bound == NULL || certain ? 0 : assembly->share;
     result->lowest_share = assembly->lowest_share;
     bound_close(assembly->bound);
+    assembly->bound = NULL;
+}
+
+/// What is partly assembled already is small enough for a proof, as a rule, and the estimate knows nothing of it.
+static void search(assembly_t* assembly, assembly_result_t* result) {
+    const bool afresh = assembly->structure->stands == 0 && assembly->structure->gone == 0;
+    const bool is_small = bound_fits(assembly->structure);
+    result->status = HTN_STOPPED;
+    result->greedy_tried =
+        !afresh || assembly->structure->num_beams * assembly->structure->num_slots <= GREEDY_PARTS_MAX;
+    if (result->greedy_tried && be_greedy(assembly, &result->greedy)) take(assembly, &result->greedy);
+    if (!assembly->in_vain && afresh) search_stages(assembly, is_small ? WAYS_BEFORE : WAYS_MAX);
+    if (!assembly->in_vain && is_small) prove(assembly, result);
+    result->best = assembly->best;
+    result->asked_in_vain = assembly->in_vain;
 }
 
 static assembly_t* assembly_open(const structure_t* structure, const assembly_prices_t* prices,
@@ -375,6 +444,7 @@ static assembly_t* assembly_open(const structure_t* structure, const assembly_pr
     assembly->prices = prices;
     assembly->limits = limits;
     begin(assembly);
+    assembly->below = INFINITY;
     if (make_room(assembly)) return assembly;
     assembly_close(assembly);
     return NULL;

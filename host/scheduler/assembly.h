@@ -13,24 +13,11 @@
 #define SSV_SCHEDULER_ASSEMBLY_H
 
 #include "htn.h"
-#include "prices.h"
-#include "structure.h"
-
-typedef struct {
-    int beam, slot;
-    assembly_question_t question;
-    assembly_price_t price;
-} assembly_part_t;
-
-/// Parts in order.
-typedef struct {
-    int num_parts; ///< 0: there is no schedule
-    assembly_part_t part[STRUCTURE_MAX_SLOTS];
-    double cost;
-} assembly_schedule_t;
+#include "schedule.h"
 
 typedef struct {
     assembly_schedule_t best, greedy; ///< greedy takes the cheapest part each time
+    bool greedy_tried;                ///< it is not where there are very many parts
     htn_status_t status;
     bool asked_in_vain; ///< prices were not to be had
     double lower_bound; ///< relies on relied_share, as a proof does

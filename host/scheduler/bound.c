@@ -99,9 +99,11 @@ static bool price_round(bound_t* bound, const assembly_prices_t* prices, int fir
     return sound;
 }
 
+bool bound_fits(const structure_t* structure) { return structure->num_beams * structure->num_slots <= PARTS_MAX; }
+
 bound_t* bound_open(const structure_t* structure, const assembly_prices_t* prices, bool (*stop)(void* context),
                     void* context) {
-    if (structure->num_beams * structure->num_slots > PARTS_MAX) return NULL;
+    if (!bound_fits(structure)) return NULL;
     bound_t* const bound = calloc(1, sizeof *bound);
     bool sound = bound != NULL;
     if (sound) {

@@ -20,6 +20,9 @@ typedef struct {
     int beam, slot;
 } bound_last_t;
 
+/// Whether the structure is not too large for this.
+bool bound_fits(const structure_t* structure);
+
 /// Asks for the prices, until `stop` says so.
 /// @return NULL if out of memory or stopped, if there are no prices to be had, or if the structure is too large for
 /// this.

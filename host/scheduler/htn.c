@@ -77,6 +77,13 @@ static double recall(const search_t* search, const unsigned char key[HTN_MAX_KEY
 
 static double cost_of(const htn_plan_t* plan) { return plan->steps == NULL ? (double)INFINITY : plan->cost; }
 
+/// What a plan must cost less than to be of interest.
+static double best(const search_t* search) {
+    if (search->limits->all) return INFINITY;
+    const double most = search->limits->most > 0 ? search->limits->most : (double)INFINITY;
+    return fmin(most, cost_of(&search->result.plan));
+}
+
 /// Tells the way to where the search is, and keeps it if it is the best plan.
 static void keep(search_t* search, double cost) {
     const size_t size = (size_t)search->depth * sizeof(htn_step_t);
@@ -99,12 +106,6 @@ static bool must_stop(search_t* search) {
     if (limits->max_nodes != 0 && search->result.nodes >= limits->max_nodes) search->stopped = true;
     if (limits->stop != NULL && limits->stop(limits->context)) search->stopped = true;
     return search->stopped;
-}
-
-/// What a plan must cost less than to be of interest.
-static double best(const search_t* search) {
-    if (search->limits->all) return INFINITY;
-    return cost_of(&search->result.plan);
 }
 
 static double explore(search_t* search, const htn_agenda_t* agenda, double spent);
@@ -195,8 +196,7 @@ htn_result_t htn_search(const htn_domain_t* domain, void* state, const htn_task_
             cells[i] = (htn_agenda_t){tasks[i], 0, i + 1 < num_tasks ? &cells[i + 1] : NULL};
         }
         const double bound = explore(&search, num_tasks > 0 ? cells : NULL, 0);
-        search.result.lower_bound =
-            search.stopped ? fmin(bound, cost_of(&search.result.plan)) : cost_of(&search.result.plan);
+        search.result.lower_bound = search.stopped ? fmin(bound, best(&search)) : best(&search);
         search.result.status = search.out_of_memory               ? HTN_NO_MEMORY
                                : search.stopped                   ? HTN_STOPPED
                                : search.result.plan.steps != NULL ? HTN_OPTIMAL

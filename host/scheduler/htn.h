@@ -97,6 +97,7 @@ typedef struct {
 /// When to stop, and whom to tell. Zero or NULL is no limit, and nobody.
 typedef struct {
     uint64_t max_nodes;
+    double most;                 ///< only plans that cost less are of interest
     size_t max_memories;         ///< states that are remembered
     bool (*stop)(void* context); ///< asked before each task
     /// Tells every plan, good or bad, and leaves nothing out: for tasks with few plans.
@@ -108,7 +109,7 @@ typedef struct {
 
 typedef enum {
     HTN_OPTIMAL, ///< the plan costs least
-    HTN_NO_PLAN, ///< proved: there is none
+    HTN_NO_PLAN, ///< proved: there is none, or none that costs less than `most`
     HTN_STOPPED, ///< a limit was met: the plan, if any, is the best so far
     HTN_NO_MEMORY
 } htn_status_t;

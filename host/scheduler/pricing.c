@@ -35,12 +35,12 @@ typedef struct {
     key_t key;
     assembly_price_t price;
     bool used;
+    uint64_t asked; ///< the call that asks for it, while it has no price
 } entry_t;
 
 /// One that is asked now.
 typedef struct {
     assembly_question_t question;
-    int at; ///< of those asked together
     uint64_t hash;
     bool is_kept, is_checked, is_wrong; ///< of what the cache has
     bool feasible;
@@ -56,6 +56,7 @@ struct pricing {
     int num_poses, room_poses;
     entry_t* entries;
     size_t num_entries, room;
+    uint64_t calls; ///< of pricing_ask
     cache_t* cache; ///< or NULL
     bool is_cache_wrong;
     work_t* works;
@@ -340,14 +341,12 @@ static bool keep(pricing_t* pricing, const work_t* work) {
 // ---- Asking ---------------------------------------------------------------------------------------------------------
 
 /// Puts what is priced now where it is found again. @return false if out of memory.
-static bool remember(pricing_t* pricing, const work_t* work, assembly_price_t* price) {
+static bool remember(pricing_t* pricing, const work_t* work) {
     const key_t key = key_of(&work->question);
     entry_t* const entry = place_of(pricing->entries, pricing->room, &key);
     const int end = work->feasible ? number_of(pricing, &work->end) : 0;
     if (end < 0 || (pricing->cache != NULL && !work->is_kept && !keep(pricing, work))) return false;
-    pricing->num_entries += !entry->used;
-    *entry = (entry_t){key, {work->feasible, work->cost, work->time_s, work->impulse_Ns, end}, true};
-    *price = entry->price;
+    *entry = (entry_t){key, {work->feasible, work->cost, work->time_s, work->impulse_Ns, end}, true, 0};
     pricing->counts.asked += !work->is_kept;
     return true;
 }
@@ -355,25 +354,30 @@ static bool remember(pricing_t* pricing, const work_t* work, assembly_price_t* p
 bool pricing_ask(void* context, const assembly_question_t* questions, int count, assembly_price_t* prices) {
     pricing_t* const pricing = context;
     if (!make_room(pricing, count)) return false;
+    pricing->calls++;
     pricing->num_works = 0;
     for (int i = 0; i < count; i++) {
         const key_t key = key_of(&questions[i]);
-        const entry_t* const entry = place_of(pricing->entries, pricing->room, &key);
-        if (entry->used) {
-            prices[i] = entry->price;
-            pricing->counts.known++;
-        } else {
-            work_t* const work = &pricing->works[pricing->num_works++];
-            *work = (work_t){.question = questions[i], .at = i};
-            if (pricing->cache != NULL) look_up(pricing, work);
-        }
+        entry_t* const entry = place_of(pricing->entries, pricing->room, &key);
+        const bool is_known = entry->used && entry->asked == 0;
+        pricing->counts.known += is_known;
+        if (is_known || entry->asked == pricing->calls) continue;
+        work_t* const work = &pricing->works[pricing->num_works++];
+        *work = (work_t){.question = questions[i]};
+        if (pricing->cache != NULL) look_up(pricing, work);
+        pricing->num_entries += !entry->used;
+        *entry = (entry_t){.key = key, .used = true, .asked = pricing->calls};
     }
     if (pricing->num_works > 0 && pricing->ask != NULL && !price_elsewhere(pricing)) return false;
     if (pricing->num_works > 0 && pricing->ask == NULL) price_together(pricing);
     for (int k = 0; k < pricing->num_works; k++) {
         const work_t* const work = &pricing->works[k];
         pricing->is_cache_wrong = pricing->is_cache_wrong || work->is_wrong;
-        if (pricing->is_cache_wrong || !remember(pricing, work, &prices[work->at])) return false;
+        if (pricing->is_cache_wrong || !remember(pricing, work)) return false;
+    }
+    for (int i = 0; i < count; i++) {
+        const key_t key = key_of(&questions[i]);
+        prices[i] = place_of(pricing->entries, pricing->room, &key)->price;
     }
     return true;
 }
