@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "estimate.h"
 #include "pricing.h"
 #include "sample.h"
 #include "ssv/answer.h"
@@ -280,6 +281,60 @@ static void test_the_number_of_threads_changes_nothing(void) {
     }
 }
 
+// ---- Estimates ------------------------------------------------------------------------------------------------------
+
+static bool never(void* context) {
+    (void)context;
+    return false;
+}
+
+/// The cheapest flow by trying all: each slot gets a beam of its own, each beam comes from a place of its own, one of
+/// them from the start.
+static double least_flow(const structure_t* structure, const estimate_t* estimate, int slot, unsigned used,
+                         unsigned left) {
+    if (slot == structure->num_slots) return (left & 1u) != 0 ? 0 : (double)INFINITY;
+    double least = INFINITY;
+    for (int b = 0; b < structure->num_beams; b++) {
+        for (int place = 0; place <= structure->num_slots; place++) {
+            if ((used >> b & 1u) != 0 || (left >> place & 1u) != 0) continue;
+            const double part = estimate_part(estimate, place - 1, b, slot);
+            if (!isfinite(part)) continue;
+            least = fmin(least, part + least_flow(structure, estimate, slot + 1, used | 1u << b, left | 1u << place));
+        }
+    }
+    return least;
+}
+
+static void test_the_estimates_flow_is_the_cheapest_and_no_part_is_due_more_than_it_costs(void) {
+    int several = 0;
+    for (int k = 0; k < 60; k++) {
+        const structure_t structure = sample_structure(k);
+        pricing_t* const pricing = pricing_open(&structure, 0);
+        const assembly_prices_t prices = {pricing_ask, pricing};
+        estimate_t* const estimate = estimate_open(&structure, &prices, never, NULL);
+        TEST_ASSERT_NOT_NULL(estimate);
+        const double least = least_flow(&structure, estimate, 0, 0, 0);
+        (void)snprintf(label, sizeof label, "structure %d: %.9g, judged %.9g", k, estimate_least(estimate), least);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(isfinite(least), isfinite(estimate_least(estimate)), label);
+        if (isfinite(least)) {
+            // Ways count as shorter from a billionth on.
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-6, least, estimate_least(estimate), label);
+            for (int b = 0; b < structure.num_beams; b++) {
+                for (int s = 0; s < structure.num_slots; s++) {
+                    for (int last = -1; last < structure.num_slots; last++) {
+                        const double part = estimate_part(estimate, last, b, s);
+                        TEST_ASSERT_TRUE_MESSAGE(part >= estimate_due(estimate, last, b, s) - 1e-6, label);
+                    }
+                }
+            }
+            several++;
+        }
+        estimate_close(estimate);
+        pricing_close(pricing);
+    }
+    TEST_ASSERT_GREATER_THAN_INT(40, several);
+}
+
 int main(void) {
     char error[512];
     if (!structures_open(error, sizeof error)) {
@@ -291,5 +346,6 @@ int main(void) {
     RUN_TEST(test_order_and_names_in_the_file_have_no_part_in_the_cost);
     RUN_TEST(test_where_it_all_is_has_no_part_in_the_cost);
     RUN_TEST(test_the_number_of_threads_changes_nothing);
+    RUN_TEST(test_the_estimates_flow_is_the_cheapest_and_no_part_is_due_more_than_it_costs);
     return UNITY_END();
 }
