@@ -156,8 +156,8 @@ static bool take_up(structure_t* structure, const row_t* row, const json_t* trut
         return false;
     }
     if (row->is_docked) {
-        structure->stands |= UINT64_C(1) << row->slot;
-        structure->gone |= UINT64_C(1) << row->beam;
+        structure->stands |= set_of(row->slot);
+        structure->gone |= set_of(row->beam);
         structure->left = row->slot;
         take_up_docked(structure, row->slot, p_IB_m, q_IB);
     } else if (strcmp(beam, "waiting") != 0) { // let go where it is, it weighs nothing in the water
@@ -271,7 +271,7 @@ static bool may_go_on(const assembly_flight_t* flight, int code) {
 
 /// @return EXIT_OK once all stands, or why not.
 static int assemble(assembly_flight_t* flight) {
-    const uint64_t all = (UINT64_C(1) << flight->structure->num_slots) - 1;
+    const set_t all = set_of(flight->structure->num_slots) - 1;
     int code = schedule(flight);
     flight->cost = flight->announce.wire.cost;
     flight->time_s = flight->announce.wire.time_s;
@@ -295,7 +295,7 @@ static int assemble(assembly_flight_t* flight) {
 
 // ---- The report -----------------------------------------------------------------------------------------------------
 
-static int count_bits(uint64_t bits) {
+static int count_bits(set_t bits) {
     int count = 0;
     for (; bits != 0; bits &= bits - 1) count++;
     return count;

@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include <argp.h>
 #include <inttypes.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -249,6 +250,10 @@ static void quality_lines(FILE* out, const report_t* report) {
     } else {
         fprintf(out, "Not proved optimal, and without a bound: %s",
                 bound_fits(report->structure) ? "there was no time" : "there are too many parts for one");
+        if (isfinite(result->estimated_least)) {
+            fprintf(out, "; by estimates of prices the least is about %.0f, which this is %+.1f %% off",
+                    result->estimated_least, 100 * (result->best.cost / result->estimated_least - 1));
+        }
     }
     if (result->greedy.num_parts > 0) {
         fprintf(out, "; the cheapest part each time makes J = %.3f, %+.1f %%\n", result->greedy.cost,
@@ -323,17 +328,18 @@ static bool report_json(FILE* out, const void* content) {
     json_t* const parts = json_array();
     for (int i = 0; i < result->best.num_parts; i++) json_array_append_new(parts, part_json(report, i));
     return wire_json_write(
-        out, json_pack("{s:{s:s,s:f,s:f,s:f,s:b,s:f,s:f,s:f,s:o,s:s,s:o},s:{s:I,s:I,s:I,s:i,s:I,s:I,s:i,s:f,s:f},s:O}",
-                       "schedule", "structure", report->shown, "cost", result->best.cost, "time_s",
-                       report->announce.wire.time_s, "impulse_Ns", report->announce.wire.impulse_Ns, "optimal",
-                       result->status == HTN_OPTIMAL, "lower_bound", result->lower_bound, "relied_share",
-                       result->relied_share, "lowest_share", result->lowest_share, "greedy_cost",
-                       result->greedy.num_parts > 0 ? json_real(result->greedy.cost) : json_null(), "task",
-                       "assemble-structure", "subtasks", parts, "search", "prices", (json_int_t)report->counts.asked,
-                       "kept", (json_int_t)report->counts.kept, "known", (json_int_t)report->counts.known, "poses",
-                       report->counts.poses, "states", (json_int_t)result->states, "nodes", (json_int_t)result->nodes,
-                       "threads", report->counts.threads, "first_s", report->first_s, "wall_s", report->wall_s, "tasks",
-                       report->tasks));
+        out,
+        json_pack(
+            "{s:{s:s,s:f,s:f,s:f,s:b,s:f,s:f,s:f,s:o,s:o,s:s,s:o},s:{s:I,s:I,s:I,s:i,s:I,s:I,s:i,s:f,s:f},s:O}",
+            "schedule", "structure", report->shown, "cost", result->best.cost, "time_s", report->announce.wire.time_s,
+            "impulse_Ns", report->announce.wire.impulse_Ns, "optimal", result->status == HTN_OPTIMAL, "lower_bound",
+            result->lower_bound, "relied_share", result->relied_share, "lowest_share", result->lowest_share,
+            "estimated_least", isfinite(result->estimated_least) ? json_real(result->estimated_least) : json_null(),
+            "greedy_cost", result->greedy.num_parts > 0 ? json_real(result->greedy.cost) : json_null(), "task",
+            "assemble-structure", "subtasks", parts, "search", "prices", (json_int_t)report->counts.asked, "kept",
+            (json_int_t)report->counts.kept, "known", (json_int_t)report->counts.known, "poses", report->counts.poses,
+            "states", (json_int_t)result->states, "nodes", (json_int_t)result->nodes, "threads", report->counts.threads,
+            "first_s", report->first_s, "wall_s", report->wall_s, "tasks", report->tasks));
 }
 
 // ---- The command ----------------------------------------------------------------------------------------------------

@@ -21,8 +21,10 @@
 #define WAYS_MAX 256
 #define PARTS_PRICED 16
 
+#define PRICES_PER_TURN 256
+
 /// Beyond so many parts the cheapest of all each time takes too many prices.
-#define GREEDY_PARTS_MAX 1000
+#define GREEDY_PARTS_MAX 300
 
 #define CERTAIN_SHARE (1 - 1e-9) ///< but for rounding of sums
 
@@ -46,9 +48,10 @@ typedef struct {
 
 typedef struct {
     const structure_t* structure;
-    const assembly_prices_t* prices;
+    const assembly_prices_t* source; ///< of prices,
+    assembly_prices_t prices;        ///< and the same in turns
     const assembly_limits_t* limits;
-    uint64_t built, used;
+    set_t built, used;
     int num_built, pose;
     bound_last_t last;
     double spent;
@@ -61,6 +64,7 @@ typedef struct {
     assembly_price_t* answers;
     double proved; ///< that no schedule costs less
     double below;  ///< only schedules that cost less are of interest
+    bool stopped;  ///< while prices were asked for: they are in vain, too
     bool in_vain;
     assembly_schedule_t best;
 } assembly_t;
@@ -70,6 +74,23 @@ typedef struct {
     bound_last_t last;
     double spent;
 } before_t;
+
+static bool must_stop(void* context) {
+    const assembly_limits_t* const limits = ((const assembly_t*)context)->limits;
+    return limits->stop != NULL && limits->stop(limits->context);
+}
+
+/// Asks for so many at a time that whoever wants to stop need not wait long.
+static bool ask_in_turns(void* context, const assembly_question_t* questions, int count, assembly_price_t* prices) {
+    assembly_t* const assembly = context;
+    for (int i = 0; i < count; i += PRICES_PER_TURN) {
+        const int turn = count - i < PRICES_PER_TURN ? count - i : PRICES_PER_TURN;
+        assembly->stopped = assembly->stopped || must_stop(assembly);
+        if (assembly->stopped) return false;
+        if (!assembly->source->ask(assembly->source->context, &questions[i], turn, &prices[i])) return false;
+    }
+    return true;
+}
 
 static assembly_question_t question_of(const assembly_t* assembly, int beam, int slot) {
     const bool counts = assembly->structure->obstacles;
@@ -91,8 +112,8 @@ static int by_promise(const void* a, const void* b) {
 static double rest_after(const assembly_t* assembly, int beam, int slot) {
     const bound_last_t next = {beam, slot};
     if (assembly->bound == NULL) return 0;
-    return assembly->share * bound_rest(assembly->bound, assembly->built | UINT64_C(1) << slot,
-                                        assembly->used | UINT64_C(1) << beam, next);
+    return assembly->share *
+           bound_rest(assembly->bound, assembly->built | set_of(slot), assembly->used | set_of(beam), next);
 }
 
 static double least_of_part(const assembly_t* assembly, int beam, int slot) {
@@ -130,7 +151,7 @@ static bool find_choices(assembly_t* assembly) {
             }
         }
     }
-    if (!assembly->prices->ask(assembly->prices->context, assembly->questions, count, assembly->answers)) {
+    if (!assembly->prices.ask(assembly->prices.context, assembly->questions, count, assembly->answers)) {
         assembly->in_vain = true;
         return false;
     }
@@ -148,12 +169,12 @@ static bool find_choices(assembly_t* assembly) {
 // ---- The domain -----------------------------------------------------------------------------------------------------
 
 static void fly_to_beam(assembly_t* assembly, const choice_t* choice) {
-    assembly->used |= UINT64_C(1) << choice->beam;
+    assembly->used |= set_of(choice->beam);
     assembly->under_way = *choice;
 }
 
 static void dock(assembly_t* assembly) {
-    assembly->built |= UINT64_C(1) << assembly->under_way.slot;
+    assembly->built |= set_of(assembly->under_way.slot);
     assembly->num_built++;
     assembly->last = (bound_last_t){assembly->under_way.beam, assembly->under_way.slot};
     assembly->pose = assembly->under_way.price.pose;
@@ -180,12 +201,12 @@ static bool apply(void* state, const htn_task_t* task, void* undo, double* cost)
 static void undo(void* state, const htn_task_t* task, const void* undo) {
     assembly_t* const assembly = state;
     if (task->kind == FLY_TO_BEAM) {
-        assembly->used &= ~(UINT64_C(1) << task->argument[0]);
+        assembly->used &= ~set_of(task->argument[0]);
         memcpy(&assembly->under_way, undo, sizeof assembly->under_way);
     } else {
         before_t before;
         memcpy(&before, undo, sizeof before);
-        assembly->built &= ~(UINT64_C(1) << task->argument[1]);
+        assembly->built &= ~set_of(task->argument[1]);
         assembly->num_built--;
         assembly->pose = before.pose;
         assembly->last = before.last;
@@ -221,10 +242,10 @@ static htn_binding_t method(void* state, const htn_task_t* task, int number, int
 static bool memory_key(void* state, const htn_agenda_t* agenda, unsigned char key[HTN_MAX_KEY]) {
     const assembly_t* const assembly = state;
     if (agenda->task.kind != ASSEMBLE_STRUCTURE) return false;
-    memcpy(&key[0], &assembly->built, 8);
-    memcpy(&key[8], &assembly->used, 8);
-    memcpy(&key[16], &assembly->pose, 4);
-    memcpy(&key[20], &assembly->last.slot, 4);
+    memcpy(&key[0], &assembly->built, 16);
+    memcpy(&key[16], &assembly->used, 16);
+    memcpy(&key[32], &assembly->pose, 4);
+    memcpy(&key[36], &assembly->last.slot, 4);
     return true;
 }
 
@@ -321,11 +342,6 @@ static bool found(void* context, const htn_plan_t* plan) {
     return true;
 }
 
-static bool must_stop(void* context) {
-    const assembly_limits_t* const limits = ((const assembly_t*)context)->limits;
-    return limits->stop != NULL && limits->stop(limits->context);
-}
-
 static bool make_room(assembly_t* assembly) {
     const structure_t* const structure = assembly->structure;
     const size_t most = (size_t)structure->num_beams * (size_t)structure->num_slots;
@@ -389,16 +405,31 @@ static void take(assembly_t* assembly, const assembly_schedule_t* schedule) {
     report_found(assembly);
 }
 
-/// More and more ways together.
-static void search_stages(assembly_t* assembly, int most_ways) {
-    estimate_t* const estimate = estimate_open(assembly->structure, assembly->prices, must_stop, assembly);
+/// Carries on so many ways together. @return whether there is time for more.
+static bool search_stages(assembly_t* assembly, const estimate_t* estimate, int ways) {
+    const stages_result_t result =
+        stages_search(assembly->structure, &assembly->prices, estimate, ways, PARTS_PRICED, must_stop, assembly);
+    take(assembly, &result.best);
+    assembly->in_vain = assembly->in_vain || result.in_vain;
+    return !result.in_vain && !result.stopped && !result.out_of_memory;
+}
+
+/// Finds schedules, good ones soon and better ones later.
+static void find_good(assembly_t* assembly, int most_ways, assembly_result_t* result) {
+    const structure_t* const structure = assembly->structure;
+    estimate_t* const estimate = estimate_open(structure, &assembly->prices, must_stop, assembly);
     bool going_on = estimate != NULL;
-    for (int ways = 1; ways <= most_ways && going_on; ways *= 4) {
-        const stages_result_t result =
-            stages_search(assembly->structure, assembly->prices, estimate, ways, PARTS_PRICED, must_stop, assembly);
-        take(assembly, &result.best);
-        assembly->in_vain = result.in_vain;
-        going_on = !result.in_vain && !result.stopped && !result.out_of_memory;
+    int ways = 1;
+    if (going_on) result->estimated_least = estimate_least(estimate);
+    for (; ways <= most_ways && going_on && assembly->best.num_parts == 0; ways *= 4) {
+        going_on = search_stages(assembly, estimate, ways);
+    }
+    result->greedy_tried = structure->num_beams * structure->num_slots <= GREEDY_PARTS_MAX;
+    if (result->greedy_tried && !assembly->in_vain && be_greedy(assembly, &result->greedy)) {
+        take(assembly, &result->greedy);
+    }
+    for (; ways <= most_ways && going_on && !assembly->in_vain; ways *= 4) {
+        going_on = search_stages(assembly, estimate, ways);
     }
     estimate_close(estimate);
 }
@@ -407,7 +438,7 @@ static void search_stages(assembly_t* assembly, int most_ways) {
 /// has relied on.
 static void prove(assembly_t* assembly, assembly_result_t* result) {
     const bool certain = !assembly->structure->obstacles;
-    assembly->bound = bound_open(assembly->structure, assembly->prices, must_stop, assembly);
+    assembly->bound = bound_open(assembly->structure, &assembly->prices, must_stop, assembly);
     assembly->share = certain ? CERTAIN_SHARE : FIRST_SHARE;
     assembly->lowest_share = 1;
     for (bool again = true; again;) {
@@ -422,18 +453,13 @@ static void prove(assembly_t* assembly, assembly_result_t* result) {
     assembly->bound = NULL;
 }
 
-/// What is partly assembled already is small enough for a proof, as a rule, and the estimate knows nothing of it.
 static void search(assembly_t* assembly, assembly_result_t* result) {
-    const bool afresh = assembly->structure->stands == 0 && assembly->structure->gone == 0;
     const bool is_small = bound_fits(assembly->structure);
     result->status = HTN_STOPPED;
-    result->greedy_tried =
-        !afresh || assembly->structure->num_beams * assembly->structure->num_slots <= GREEDY_PARTS_MAX;
-    if (result->greedy_tried && be_greedy(assembly, &result->greedy)) take(assembly, &result->greedy);
-    if (!assembly->in_vain && afresh) search_stages(assembly, is_small ? WAYS_BEFORE : WAYS_MAX);
+    find_good(assembly, is_small ? WAYS_BEFORE : WAYS_MAX, result);
     if (!assembly->in_vain && is_small) prove(assembly, result);
     result->best = assembly->best;
-    result->asked_in_vain = assembly->in_vain;
+    result->asked_in_vain = assembly->in_vain && !assembly->stopped;
 }
 
 static assembly_t* assembly_open(const structure_t* structure, const assembly_prices_t* prices,
@@ -441,7 +467,8 @@ static assembly_t* assembly_open(const structure_t* structure, const assembly_pr
     assembly_t* const assembly = calloc(1, sizeof *assembly);
     if (assembly == NULL) return NULL;
     assembly->structure = structure;
-    assembly->prices = prices;
+    assembly->source = prices;
+    assembly->prices = (assembly_prices_t){ask_in_turns, assembly};
     assembly->limits = limits;
     begin(assembly);
     assembly->below = INFINITY;
@@ -453,7 +480,7 @@ static assembly_t* assembly_open(const structure_t* structure, const assembly_pr
 bool assembly_schedule(const structure_t* structure, const assembly_prices_t* prices, const assembly_limits_t* limits,
                        assembly_result_t* result) {
     assembly_t* const assembly = assembly_open(structure, prices, limits);
-    *result = (assembly_result_t){.status = HTN_NO_MEMORY};
+    *result = (assembly_result_t){.status = HTN_NO_MEMORY, .estimated_least = INFINITY};
     if (assembly == NULL) return false;
     search(assembly, result);
     assembly_close(assembly);

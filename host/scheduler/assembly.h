@@ -25,6 +25,8 @@ typedef struct {
     /// and place to come from, with nothing but the hubs in the way. 0: the proof relies on nothing.
     double relied_share;
     double lowest_share; ///< the lowest of those that were asked for
+    double
+        estimated_least; ///< cost of the cheapest schedule by estimates of prices (estimate.h), about; INFINITY: none
     uint64_t nodes, states;
 } assembly_result_t;
 

@@ -16,7 +16,7 @@ typedef struct {
 } node_t;
 
 typedef struct {
-    uint64_t built, used;
+    set_t built, used;
     double cost;
     int last;
     bool known;
@@ -59,7 +59,7 @@ static bool add_node(bound_t* bound, node_t node) {
 
 /// All parts that may follow a node.
 static int questions_from(const structure_t* structure, const node_t* node, assembly_question_t* questions) {
-    const uint64_t used = structure->gone | (node->last.beam < 0 ? 0 : UINT64_C(1) << node->last.beam);
+    const set_t used = structure->gone | (node->last.beam < 0 ? 0 : set_of(node->last.beam));
     int count = 0;
     for (int b = 0; b < structure->num_beams; b++) {
         for (int s = 0; s < structure->num_slots; s++) {
@@ -125,9 +125,9 @@ bound_t* bound_open(const structure_t* structure, const assembly_prices_t* price
 
 // ---- The smaller problem --------------------------------------------------------------------------------------------
 
-static rest_t* rest_of(const bound_t* bound, uint64_t built, uint64_t used, int last) {
-    uint64_t hash = built * 0x9e3779b97f4a7c15u;
-    hash = (hash ^ used) * 0x9e3779b97f4a7c15u;
+static rest_t* rest_of(const bound_t* bound, set_t built, set_t used, int last) {
+    uint64_t hash = (uint64_t)built * 0x9e3779b97f4a7c15u; // slots are few
+    hash = (hash ^ (uint64_t)used ^ (uint64_t)(used >> 64) << 32) * 0x9e3779b97f4a7c15u;
     hash = (hash ^ (uint64_t)last) * 0x9e3779b97f4a7c15u;
     size_t i = (size_t)(hash >> 32) & (REST_MAX - 1);
     while (bound->rests[i].known &&
@@ -137,12 +137,12 @@ static rest_t* rest_of(const bound_t* bound, uint64_t built, uint64_t used, int 
     return &bound->rests[i];
 }
 
-double bound_rest(bound_t* bound, uint64_t built, uint64_t used, bound_last_t last) {
+double bound_rest(bound_t* bound, set_t built, set_t used, bound_last_t last) {
     const structure_t* const structure = bound->structure;
     const int before = before_of(bound, last);
     const rest_t* const known = rest_of(bound, built, used, before);
     double cost = INFINITY;
-    if (built == (UINT64_C(1) << structure->num_slots) - 1) return 0;
+    if (built == set_of(structure->num_slots) - 1) return 0;
     if (known->known) return known->cost;
     for (int s = 0; s < structure->num_slots; s++) {
         for (int b = 0; b < structure->num_beams && structure_may_build(structure, built, s); b++) {
@@ -150,7 +150,7 @@ double bound_rest(bound_t* bound, uint64_t built, uint64_t used, bound_last_t la
             const double part = bound_part(bound, last, b, s);
             if (part >= cost) continue;
             const bound_last_t next = {b, s};
-            cost = fmin(cost, part + bound_rest(bound, built | UINT64_C(1) << s, used | UINT64_C(1) << b, next));
+            cost = fmin(cost, part + bound_rest(bound, built | set_of(s), used | set_of(b), next));
         }
     }
     if (2 * bound->num_rests < REST_MAX) {

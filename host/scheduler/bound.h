@@ -33,7 +33,7 @@ bound_t* bound_open(const structure_t* structure, const assembly_prices_t* price
 double bound_part(const bound_t* bound, bound_last_t last, int beam, int slot);
 
 /// The least price of all that is not built. INFINITY if the rules leave no way.
-double bound_rest(bound_t* bound, uint64_t built, uint64_t used, bound_last_t last);
+double bound_rest(bound_t* bound, set_t built, set_t used, bound_last_t last);
 
 void bound_close(bound_t* bound);
 

@@ -10,6 +10,7 @@
 /// Where the vehicle comes from: the start, or a slot and one.
 struct estimate {
     int num_beams, num_slots;
+    set_t stands;                                          ///< slots that are filled already
     double part[STRUCTURE_MAX_BEAMS][STRUCTURE_MAX_SLOTS]; ///< price from the start
     double way[PLACES_MAX][STRUCTURE_MAX_BEAMS];           ///< what it costs more to come from there
     double place_due[PLACES_MAX], beam_due[STRUCTURE_MAX_BEAMS], slot_due[STRUCTURE_MAX_SLOTS];
@@ -47,7 +48,8 @@ static bool price_parts(estimate_t* estimate, const asking_t* asking, int* pose_
         cheapest[s] = INFINITY;
         for (int b = 0; b < estimate->num_beams; b++) {
             estimate->part[b][s] = INFINITY;
-            if (structure_may_take(asking->structure, 0, b, s)) {
+            const bool is_open = (estimate->stands >> s & 1) == 0;
+            if (is_open && structure_may_take(asking->structure, asking->structure->gone, b, s)) {
                 asking->questions[count++] = (assembly_question_t){.beam = b, .slot = s, .left = -1};
             }
         }
@@ -136,6 +138,11 @@ static bool relax_all(flow_t* flow) {
     return nearer;
 }
 
+/// Whether the vehicle can come from there: from the start, or from a slot that it fills.
+static bool is_place(const estimate_t* estimate, int place) {
+    return place == 0 || (estimate->stands >> (place - 1) & 1) == 0;
+}
+
 /// Shortest ways from all places that are not left yet, the start before any other.
 static void find_ways(flow_t* flow) {
     for (int i = 0; i < flow->num_nodes; i++) {
@@ -144,7 +151,7 @@ static void find_ways(flow_t* flow) {
     }
     for (int p = 0; p <= flow->estimate->num_slots; p++) {
         const bool is_free = flow->beam_of_place[p] < 0 && (p == 0 || flow->beam_of_place[0] >= 0);
-        if (is_free) flow->distance[p] = 0;
+        if (is_free && is_place(flow->estimate, p)) flow->distance[p] = 0;
     }
     for (int round = 0; round < flow->num_nodes && relax_all(flow); round++) {}
 }
@@ -174,6 +181,7 @@ static void find_dues(flow_t* flow) {
     for (int round = 0; round <= flow->num_nodes && nearer; round++) {
         nearer = relax_all(flow);
         for (int p = 1; p <= e->num_slots; p++) {
+            if (!is_place(e, p)) continue;
             const bool is_left = flow->beam_of_place[p] >= 0;
             if (relax(flow, is_left ? p : flow->num_nodes, is_left ? flow->num_nodes : p, 0)) nearer = true;
         }
@@ -198,8 +206,9 @@ static bool find_flow(estimate_t* estimate) {
     memset(flow->slot_of_beam, -1, sizeof flow->slot_of_beam);
     memset(flow->beam_of_slot, -1, sizeof flow->beam_of_slot);
     estimate->least = 0;
-    for (int filled = 0; filled < estimate->num_slots && isfinite(estimate->least); filled++) {
+    for (int slot = 0; slot < estimate->num_slots && isfinite(estimate->least); slot++) {
         int best = -1;
+        if ((estimate->stands >> slot & 1) != 0) continue; // as many as are open, whichever comes first
         find_ways(flow);
         for (int s = 0; s < estimate->num_slots; s++) {
             const int node = flow->slots_at + s;
@@ -225,6 +234,7 @@ estimate_t* estimate_open(const structure_t* structure, const assembly_prices_t*
     if (sound) {
         estimate->num_beams = structure->num_beams;
         estimate->num_slots = structure->num_slots;
+        estimate->stands = structure->stands;
         sound = price_parts(estimate, &asking, pose_at) && !stop(context) && price_ways(estimate, &asking, pose_at) &&
                 find_flow(estimate);
     }

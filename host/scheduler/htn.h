@@ -32,7 +32,7 @@
 
 #define HTN_MAX_ARGUMENTS 4
 #define HTN_MAX_SUBTASKS 8
-#define HTN_MAX_KEY 32
+#define HTN_MAX_KEY 40
 #define HTN_MAX_UNDO 64
 
 /// How deep the search may go: tasks that are begun on the way to one plan. It bounds the stack.

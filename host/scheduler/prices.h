@@ -3,14 +3,15 @@
 #define SSV_SCHEDULER_PRICES_H
 
 #include <stdbool.h>
-#include <stdint.h>
+
+#include "set.h"
 
 /// One part to be assembled.
 typedef struct {
     int pose; ///< number of the vehicle's pose at the start; 0 is the structure's
     int beam, slot;
-    int left;       ///< slot of the beam that the vehicle stands at, or -1
-    uint64_t built; ///< slots with a beam
+    int left;    ///< slot of the beam that the vehicle stands at, or -1
+    set_t built; ///< slots with a beam
 } assembly_question_t;
 
 typedef struct {

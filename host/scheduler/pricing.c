@@ -27,7 +27,7 @@ typedef struct {
 
 /// A question as it stands in the table: no padding, and all zero where there is none.
 typedef struct {
-    uint64_t built;
+    set_t built;
     int32_t pose, left, beam, slot;
 } key_t;
 
@@ -118,7 +118,7 @@ lcm_ssv_scenario_t pricing_scenario(const pricing_t* pricing, const assembly_que
     memcpy(s.port.axis_I, port->axis_I, sizeof s.port.axis_I);
     if (structure->obstacles) {
         const int num_hubs = structure->num_hubs;
-        s.obstacles = (int64_t)(((UINT64_C(1) << num_hubs) - 1) | question->built << num_hubs);
+        s.obstacles = (int64_t)(((UINT64_C(1) << num_hubs) - 1) | (uint64_t)question->built << num_hubs);
         s.left = question->left < 0 ? 0 : (int64_t)(UINT64_C(1) << (num_hubs + question->left));
     }
     return s;
@@ -278,10 +278,11 @@ static key_t key_of(const assembly_question_t* question) {
 }
 
 static entry_t* place_of(entry_t* entries, size_t room, const key_t* key) {
-    uint64_t hash = key->built * 0x9e3779b97f4a7c15u;
+    uint64_t hash = (uint64_t)key->built * 0x9e3779b97f4a7c15u;
+    hash = (hash ^ (uint64_t)(key->built >> 64)) * 0x9e3779b97f4a7c15u;
     hash = (hash ^ (uint32_t)key->pose) * 0x9e3779b97f4a7c15u;
     hash = (hash ^ (uint32_t)key->left) * 0x9e3779b97f4a7c15u;
-    hash = (hash ^ (uint32_t)(key->beam * 64 + key->slot)) * 0x9e3779b97f4a7c15u;
+    hash = (hash ^ (uint32_t)(key->beam * STRUCTURE_MAX_SLOTS + key->slot)) * 0x9e3779b97f4a7c15u;
     size_t i = (size_t)(hash >> 20) & (room - 1);
     while (entries[i].used && memcmp(&entries[i].key, key, sizeof *key) != 0) i = (i + 1) & (room - 1);
     return &entries[i];

@@ -5,8 +5,8 @@
 
 /// A way so far.
 typedef struct {
-    uint64_t built, used;
-    int pose, last;     ///< the slot that was filled last, or -1
+    set_t built, used;
+    int pose, last;     ///< the slot that was filled last, or -1 at the start
     double cost, above; ///< what it has cost, and how much of it above what was due
     int before;         ///< number of the way in the stage before
     assembly_part_t part;
@@ -21,10 +21,10 @@ typedef struct {
 typedef struct {
     const structure_t* structure;
     const estimate_t* estimate;
-    int num_ways, num_parts;
-    way_t* ways;  ///< of all stages, num_ways each
-    int* count;   ///< of ways in each stage
-    way_t* found; ///< of the next stage, before the best are chosen
+    int num_ways, num_parts, num_stages; ///< a stage for each slot that is open
+    way_t* ways;                         ///< of the start and all stages, num_ways each
+    int* count;                          ///< of ways in each
+    way_t* found;                        ///< of the next stage, before the best are chosen
     int num_found;
     next_t* next;
     assembly_question_t* questions;
@@ -57,10 +57,11 @@ static int by_promise(const void* a, const void* b) {
     return by_state(a, b);
 }
 
-/// Adds the questions of one way. @return how many there are now.
-static int ask_from(stages_t* stages, const way_t* way, int number, int count) {
+/// Adds questions of one way, of those after the first so many. @return how many there are now.
+static int ask_from(stages_t* stages, const way_t* way, int number, int skipped, int count) {
     const structure_t* const structure = stages->structure;
     const bool counts = structure->obstacles;
+    const int left = way->last < 0 ? structure->left : way->last;
     int num_next = 0;
     for (int s = 0; s < structure->num_slots; s++) {
         for (int b = 0; b < structure->num_beams && structure_may_build(structure, way->built, s); b++) {
@@ -70,10 +71,10 @@ static int ask_from(stages_t* stages, const way_t* way, int number, int count) {
         }
     }
     qsort(stages->next, (size_t)num_next, sizeof *stages->next, by_above);
-    for (int i = 0; i < num_next && i < stages->num_parts; i++) {
+    for (int i = skipped; i < num_next && i < skipped + stages->num_parts; i++) {
         stages->from[count] = number;
         stages->questions[count++] = (assembly_question_t){way->pose, stages->next[i].beam, stages->next[i].slot,
-                                                           counts ? way->last : -1, counts ? way->built : 0};
+                                                           counts ? left : -1, counts ? way->built : 0};
     }
     return count;
 }
@@ -81,8 +82,8 @@ static int ask_from(stages_t* stages, const way_t* way, int number, int count) {
 static way_t carried_on(const stages_t* stages, const way_t* way, int number, const assembly_question_t* question,
                         const assembly_price_t* price) {
     const double due = estimate_due(stages->estimate, way->last, question->beam, question->slot);
-    return (way_t){.built = way->built | UINT64_C(1) << question->slot,
-                   .used = way->used | UINT64_C(1) << question->beam,
+    return (way_t){.built = way->built | set_of(question->slot),
+                   .used = way->used | set_of(question->beam),
                    .pose = price->pose,
                    .last = question->slot,
                    .cost = way->cost + price->cost,
@@ -106,13 +107,14 @@ static void choose(stages_t* stages, int stage) {
     for (int i = 0; i < stages->count[stage]; i++) stage_of(stages, stage)[i] = stages->found[i];
 }
 
-static bool do_stage(stages_t* stages, const assembly_prices_t* prices, int stage, stages_result_t* result) {
+/// Asks for the parts of all ways, after the first so many of each. @return how many it asked for, or -1 in vain.
+static int ask_stage(stages_t* stages, const assembly_prices_t* prices, int stage, int skipped,
+                     stages_result_t* result) {
     int count = 0;
-    for (int i = 0; i < stages->count[stage]; i++) count = ask_from(stages, &stage_of(stages, stage)[i], i, count);
-    if (!prices->ask(prices->context, stages->questions, count, stages->answers)) {
-        result->in_vain = true;
-        return false;
+    for (int i = 0; i < stages->count[stage]; i++) {
+        count = ask_from(stages, &stage_of(stages, stage)[i], i, skipped, count);
     }
+    if (!prices->ask(prices->context, stages->questions, count, stages->answers)) return -1;
     stages->num_found = 0;
     for (int i = 0; i < count; i++) {
         const way_t* const way = &stage_of(stages, stage)[stages->from[i]];
@@ -122,13 +124,24 @@ static bool do_stage(stages_t* stages, const assembly_prices_t* prices, int stag
         result->lowest_share = fmin(result->lowest_share, stages->answers[i].cost / part);
         stages->found[stages->num_found++] = carried_on(stages, way, stages->from[i], question, &stages->answers[i]);
     }
+    return count;
+}
+
+/// Where none of the most promising parts has a plan, the next ones are asked for.
+static bool do_stage(stages_t* stages, const assembly_prices_t* prices, int stage, stages_result_t* result) {
+    int count = 1;
+    stages->num_found = 0;
+    for (int skipped = 0; count > 0 && stages->num_found == 0; skipped += stages->num_parts) {
+        count = ask_stage(stages, prices, stage, skipped, result);
+    }
+    result->in_vain = count < 0;
     choose(stages, stage + 1);
-    return true;
+    return !result->in_vain;
 }
 
 /// The cheapest way to the last stage.
 static void take_best(const stages_t* stages, stages_result_t* result) {
-    const int last = stages->structure->num_slots;
+    const int last = stages->num_stages;
     int best = -1;
     for (int i = 0; i < stages->count[last]; i++) {
         if (best < 0 || stage_of(stages, last)[i].cost < stage_of(stages, last)[best].cost) best = i;
@@ -155,15 +168,16 @@ static void close_stages(stages_t* stages) {
 }
 
 static stages_t* open_stages(const structure_t* structure, const estimate_t* estimate, int num_ways, int num_parts) {
-    const size_t most = (size_t)num_ways * (size_t)num_parts, num_stages = (size_t)structure->num_slots + 1;
+    const size_t most = (size_t)num_ways * (size_t)num_parts;
     stages_t* const stages = calloc(1, sizeof *stages);
     if (stages == NULL) return NULL;
     stages->structure = structure;
     stages->estimate = estimate;
     stages->num_ways = num_ways;
     stages->num_parts = num_parts;
-    stages->count = calloc(num_stages, sizeof *stages->count);
-    stages->ways = calloc(num_stages, (size_t)num_ways * sizeof *stages->ways);
+    for (int s = 0; s < structure->num_slots; s++) stages->num_stages += (structure->stands >> s & 1) == 0;
+    stages->count = calloc((size_t)stages->num_stages + 1, sizeof *stages->count);
+    stages->ways = calloc((size_t)stages->num_stages + 1, (size_t)num_ways * sizeof *stages->ways);
     stages->found = calloc(most, sizeof *stages->found);
     stages->questions = calloc(most, sizeof *stages->questions);
     stages->answers = calloc(most, sizeof *stages->answers);
@@ -171,7 +185,7 @@ static stages_t* open_stages(const structure_t* structure, const estimate_t* est
     stages->next = calloc((size_t)structure->num_beams, (size_t)structure->num_slots * sizeof *stages->next);
     if (stages->count != NULL && stages->ways != NULL && stages->found != NULL && stages->questions != NULL &&
         stages->answers != NULL && stages->from != NULL && stages->next != NULL) {
-        stages->ways[0] = (way_t){.last = -1};
+        stages->ways[0] = (way_t){.built = structure->stands, .used = structure->gone, .last = -1};
         stages->count[0] = 1;
         return stages;
     }
@@ -185,7 +199,7 @@ stages_result_t stages_search(const structure_t* structure, const assembly_price
     stages_t* const stages = open_stages(structure, estimate, num_ways, num_parts);
     bool going_on = stages != NULL;
     result.out_of_memory = !going_on;
-    for (int stage = 0; going_on && stage < structure->num_slots; stage++) {
+    for (int stage = 0; going_on && stage < stages->num_stages; stage++) {
         result.stopped = stop(context);
         going_on = !result.stopped && do_stage(stages, prices, stage, &result);
     }

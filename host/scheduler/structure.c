@@ -345,6 +345,13 @@ static bool read_slots(reading_t* reading) {
         return false;
     }
     reading->slots = get_list(reading, reading->root, "slots", 1, STRUCTURE_MAX_SLOTS);
+    if (reading->slots != NULL && structure->obstacles &&
+        structure->num_hubs + reading->slots->count > STRUCTURE_MAX_OBSTACLES) {
+        return tree_fail(reading->error, reading->slots,
+                         "%d slots and %d hubs are more than the %d obstacles that a flight can have in its way; leave "
+                         "some out, or say obstacles: false",
+                         reading->slots->count, structure->num_hubs, STRUCTURE_MAX_OBSTACLES);
+    }
     for (int s = 0; reading->slots != NULL && s < reading->slots->count; s++) {
         const tree_t* const value = reading->slots->entries[s].value;
         structure_slot_t* const slot = &structure->slot[s];
@@ -377,7 +384,7 @@ static bool read_slots(reading_t* reading) {
 
 static bool read_precedence(reading_t* reading) {
     structure_t* const structure = reading->structure;
-    uint64_t possible = 0;
+    set_t possible = 0;
     for (int s = 0; s < structure->num_slots; s++) {
         const tree_t* const value = reading->slots->entries[s].value;
         if (tree_get(value, "after") == NULL) continue;
@@ -385,14 +392,14 @@ static bool read_precedence(reading_t* reading) {
         for (int i = 0; after != NULL && i < after->count; i++) {
             const int other = find_name(reading, reading->slots, after->entries[i].value, "slot");
             if (other < 0) return false;
-            structure->slot[s].after |= UINT64_C(1) << other;
+            structure->slot[s].after |= set_of(other);
         }
         if (after == NULL) return false;
     }
     // Whatever can be built is; what is left then waits for itself.
     for (int round = 0; round < structure->num_slots; round++) {
         for (int s = 0; s < structure->num_slots; s++) {
-            if ((structure->slot[s].after & ~possible) == 0) possible |= UINT64_C(1) << s;
+            if ((structure->slot[s].after & ~possible) == 0) possible |= set_of(s);
         }
     }
     for (int s = 0; s < structure->num_slots; s++) {
@@ -404,13 +411,13 @@ static bool read_precedence(reading_t* reading) {
     return true;
 }
 
-bool structure_may_build(const structure_t* structure, uint64_t built, int slot) {
+bool structure_may_build(const structure_t* structure, set_t built, int slot) {
     const structure_slot_t* const at = &structure->slot[slot];
     return (built >> slot & 1) == 0 && (at->after & ~built) == 0 &&
            (!structure->touching || built == 0 || (at->touches & built) != 0);
 }
 
-bool structure_may_take(const structure_t* structure, uint64_t used, int beam, int slot) {
+bool structure_may_take(const structure_t* structure, set_t used, int beam, int slot) {
     if ((used >> beam & 1) != 0) return false;
     if (structure->slot[slot].beam >= 0) return structure->slot[slot].beam == beam;
     for (int k = 0; k < structure->num_slots; k++) {
@@ -425,7 +432,7 @@ static void find_neighbours(structure_t* structure) {
             const structure_slot_t *one = &structure->slot[s], *other = &structure->slot[k];
             const bool touches = one->hub[0] == other->hub[0] || one->hub[0] == other->hub[1] ||
                                  one->hub[1] == other->hub[0] || one->hub[1] == other->hub[1];
-            if (s != k && touches) structure->slot[s].touches |= UINT64_C(1) << k;
+            if (s != k && touches) structure->slot[s].touches |= set_of(k);
         }
     }
 }

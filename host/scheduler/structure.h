@@ -11,13 +11,15 @@
 #include <stdint.h>
 
 #include "lcm_ssv_scenario_t.h"
+#include "set.h"
 
 #define STRUCTURE_NAME_SIZE 32
-#define STRUCTURE_MAX_HUBS 24
+#define STRUCTURE_MAX_HUBS 64
 #define STRUCTURE_MAX_PORTS 12
-#define STRUCTURE_MAX_BEAMS 64
-/// Hubs and slots together are the obstacles of a scene, of which there are 64.
-#define STRUCTURE_MAX_SLOTS 40
+#define STRUCTURE_MAX_BEAMS 120
+#define STRUCTURE_MAX_SLOTS 96
+/// Hubs and slots together, where they are in the way: so many has a scene.
+#define STRUCTURE_MAX_OBSTACLES 64
 
 /// Where a beam may be docked.
 typedef struct {
@@ -43,8 +45,8 @@ typedef struct {
     char name[STRUCTURE_NAME_SIZE];
     int hub[2], port[2]; ///< the beam is docked at the first
     int beam;            ///< the only one that may go there, or -1
-    uint64_t after;      ///< slots that must be built before, as bits
-    uint64_t touches;    ///< slots at the same hubs
+    set_t after;         ///< slots that must be built before, as bits
+    set_t touches;       ///< slots at the same hubs
 } structure_slot_t;
 
 typedef struct {
@@ -57,16 +59,16 @@ typedef struct {
     bool touching;  ///< whether each slot but the first must be at a hub of one that is built
     bool obstacles; ///< whether what stands is an obstacle: the hubs, and beams that are docked
     // Where a part of it is assembled already; in what is read nothing is.
-    uint64_t stands, gone;                           ///< slots that have a beam, and beams that are used up, as bits
+    set_t stands, gone;                              ///< slots that have a beam, and beams that are used up, as bits
     int left;                                        ///< slot of the beam that the vehicle stands at, or -1
     structure_port_t stands_at[STRUCTURE_MAX_SLOTS]; ///< where the end of its beam really is, and which way that goes
 } structure_t;
 
 /// Whether the rules allow this slot next, some being built.
-bool structure_may_build(const structure_t* structure, uint64_t built, int slot);
+bool structure_may_build(const structure_t* structure, set_t built, int slot);
 
 /// Whether a beam may go to a slot: it is not used, the slot's own if that has one, and no other slot's.
-bool structure_may_take(const structure_t* structure, uint64_t used, int beam, int slot);
+bool structure_may_take(const structure_t* structure, set_t used, int beam, int slot);
 
 /// Reads the structure at `path`, "-" being standard input; its model is looked for like a scenario's.
 /// @return true; or false with a sentence in `error` that names file, line and key.

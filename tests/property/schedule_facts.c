@@ -24,8 +24,8 @@ static structure_t sample(int number, int num_slots) {
 static void print_rules(int number, const structure_t* structure) {
     printf("structure %d %d %d %d\n", number, structure->num_slots, structure->num_beams, structure->touching);
     for (int s = 0; s < structure->num_slots; s++) {
-        printf("slot %d %" PRIu64 " %" PRIu64 "\n", structure->slot[s].beam, structure->slot[s].after,
-               structure->slot[s].touches);
+        printf("slot %d %" PRIu64 " %" PRIu64 "\n", structure->slot[s].beam, (uint64_t)structure->slot[s].after,
+               (uint64_t)structure->slot[s].touches);
     }
 }
 

@@ -34,7 +34,7 @@ void structures_find_touching(structure_t* structure) {
         structure->slot[s].touches = 0;
         for (int k = 0; k < structure->num_slots; k++) {
             if (k != s && structures_share_a_hub(&structure->slot[s], &structure->slot[k])) {
-                structure->slot[s].touches |= UINT64_C(1) << k;
+                structure->slot[s].touches |= set_of(k);
             }
         }
     }
@@ -51,7 +51,7 @@ structure_t structures_sample(int num_slots) {
             s.slot[i] = ease.slot[taken];
             for (int k = 0; k < i; k++) taken = strcmp(s.slot[k].name, s.slot[i].name) == 0 ? -1 : taken;
         } while (taken < 0);
-        for (int k = 0; k < i; k++) s.slot[i].after |= (uint64_t)(sample_below(4) == 0) << k;
+        for (int k = 0; k < i; k++) s.slot[i].after |= (set_t)(sample_below(4) == 0) << k;
     }
     structures_find_touching(&s);
     for (int b = 0; b < s.num_beams; b++) {
