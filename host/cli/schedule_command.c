@@ -344,8 +344,29 @@ static bool report_json(FILE* out, const void* content) {
 
 // ---- The command ----------------------------------------------------------------------------------------------------
 
+/// Names the slots that no beam can be docked at, even where nothing stands but hubs; these prices are known by now.
+static void name_blocked_slots(pricing_t* pricing, const report_t* report) {
+    static assembly_question_t questions[STRUCTURE_MAX_BEAMS];
+    static assembly_price_t answers[STRUCTURE_MAX_BEAMS];
+    const structure_t* const structure = report->structure;
+    for (int s = 0; s < structure->num_slots; s++) {
+        int count = 0;
+        bool is_open = false;
+        for (int b = 0; b < structure->num_beams; b++) {
+            if (!structure_may_take(structure, 0, b, s)) continue;
+            questions[count++] = (assembly_question_t){.beam = b, .slot = s, .left = -1};
+        }
+        if (!pricing_ask(pricing, questions, count, answers)) return;
+        for (int i = 0; i < count; i++) is_open = is_open || answers[i].feasible;
+        if (is_open) continue;
+        fprintf(stderr,
+                "ssv: %s:%d: slots[%d]: no beam can be brought to '%s', even with nothing in the way but the hubs\n",
+                report->shown, structure->slot[s].line, s, structure->slot[s].name);
+    }
+}
+
 /// Whether there is a schedule. @return EXIT_OK, or why not after a line on standard error.
-static int judge(const arguments_t* arguments, const pricing_t* pricing, const report_t* report) {
+static int judge(const arguments_t* arguments, pricing_t* pricing, const report_t* report) {
     const assembly_result_t* const result = report->result;
     if (pricing_is_cache_wrong(pricing)) {
         fprintf(stderr, "ssv: %s holds prices that this planner does not give; remove it\n", arguments->cache_path);
@@ -359,6 +380,7 @@ static int judge(const arguments_t* arguments, const pricing_t* pricing, const r
         fprintf(stderr, "ssv: %s: %s\n", report->shown,
                 result->status == HTN_NO_PLAN ? "no schedule: by every order and choice of beams some part has no plan"
                                               : "no schedule was found before the search was stopped");
+        if (result->status == HTN_NO_PLAN) name_blocked_slots(pricing, report);
         return EXIT_INFEASIBLE;
     }
     return EXIT_OK;

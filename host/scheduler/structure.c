@@ -356,6 +356,7 @@ static bool read_slots(reading_t* reading) {
         const tree_t* const value = reading->slots->entries[s].value;
         structure_slot_t* const slot = &structure->slot[s];
         slot->beam = -1;
+        slot->line = value->line;
         if (!check_keys(reading, value, keys, 4, 2) || !get_name(reading, reading->slots, s, slot->name) ||
             !read_join(reading, value, s) || !check_closes(reading, value, s, tolerance_m, tolerance_rad)) {
             return false;

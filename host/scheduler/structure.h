@@ -44,6 +44,7 @@ typedef struct {
 typedef struct {
     char name[STRUCTURE_NAME_SIZE];
     int hub[2], port[2]; ///< the beam is docked at the first
+    int line;            ///< of the file
     int beam;            ///< the only one that may go there, or -1
     set_t after;         ///< slots that must be built before, as bits
     set_t touches;       ///< slots at the same hubs

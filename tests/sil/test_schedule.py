@@ -145,8 +145,19 @@ class ScheduleTest(unittest.TestCase):
             self.assertEqual((done.returncode, done.stdout), (0, ""))
             self.assertTrue(json.loads(path.read_text())["schedule"]["optimal"])
 
+    def test_a_slot_where_no_vehicle_can_dock_is_named(self):
+        # A hub of 1.6 m leaves a vehicle no room near the beams that end at it.
+        text = edited(EASE, ("attach_heights_m: [1.2, 0, -1.2]", "attach_heights_m: [1.2, -1.2]"),
+                      ("  - {name: top, p_IH_m: [0, 0, 3.11085197333], ", "  - {name: top, radius_m: 1.6, p_IH_m: [0, 0, 3.11085197333], "))
+        done = ssv_schedule("-", text=text)
+        self.assertEqual((done.returncode, done.stdout), (3, ""))
+        lines = [f"ssv: standard input:{line_of(text, '{name: ' + name)}: slots[{number}]: no beam can be brought to '{name}', even "
+                 "with nothing in the way but the hubs" for number, name in enumerate(("leg_east", "leg_north", "leg_south"), 3)]
+        self.assertEqual(done.stderr.splitlines()[1:], lines)
+
     def test_wrong_arguments(self):
-        for arguments in ([], ["a", "b"], ["a", "--weights", "1"], ["a", "--time-limit", "0"], ["a", "--format", "xml"]):
+        for arguments in ([], ["a", "b"], ["a", "--weights", "1"], ["a", "--time-limit", "0"], ["a", "--format", "xml"],
+                          ["a", "--cache", "-"]):
             self.assertEqual(ssv_schedule(*arguments).returncode, 64, arguments)
 
 
