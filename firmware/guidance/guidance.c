@@ -157,9 +157,15 @@ static void fill_in_tip(const ssv_guidance_t* guidance, ssv_guidance_error_t* ou
         real_max(vec3_norm(x->v_S_m_s), vec3_norm(vec3_add(x->v_S_m_s, vec3_cross(x->w_S_rad_s, p_S))));
 }
 
+/// How much of the tolerance counts after so long in the dwell.
+static real_t share_after(real_t time_s) {
+    const real_t waited = real_min(real_div(time_s, DWELL_LOOSEN_S), REAL(1));
+    const real_t late = real_div(real_max(time_s - DWELL_PATIENCE_S, REAL(0)), DWELL_MAX_S - DWELL_PATIENCE_S);
+    return DWELL_TIGHT + real_mul(waited, REAL(1) - DWELL_TIGHT) + real_mul(late, DWELL_LOOSE - REAL(1));
+}
+
 static void dwell(ssv_guidance_t* guidance, real_t dt_s, const ssv_guidance_error_t* error) {
-    const real_t waited = real_min(real_div(guidance->in_state_s, DWELL_LOOSEN_S), REAL(1));
-    const real_t share = DWELL_TIGHT + real_mul(waited, REAL(1) - DWELL_TIGHT);
+    const real_t share = share_after(guidance->in_state_s);
     const bool inside =
         error->tip_m < real_mul(share, DWELL_TIP_M) && error->tip_angle_rad < real_mul(share, DWELL_ANGLE_RAD) &&
         error->tip_speed_m_s < real_mul(share, DWELL_SPEED_M_S) && guidance->in_state_s >= DWELL_LEAST_S;

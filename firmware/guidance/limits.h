@@ -38,6 +38,10 @@
 // At first it must be inside a share of these, which grows to all of them in so long: who can do better, does.
 #define DWELL_TIGHT REAL(0.4)
 #define DWELL_LOOSEN_S REAL(20)
+// Who has not come inside after so long takes more, up to this share at the longest: half of what a gripper forgives
+// (4 cm, 2 deg, 2 cm/s) is better than coming again, which takes minutes and is no better.
+#define DWELL_PATIENCE_S REAL(60)
+#define DWELL_LOOSE REAL(1.6)
 // Least time in the hold: the observer's transients must be over.
 #define DWELL_LEAST_S REAL(4)
 

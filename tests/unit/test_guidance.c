@@ -314,6 +314,15 @@ static void test_vehicle_mates_after_two_seconds_inside_the_tolerance_and_not_be
     TEST_ASSERT_TRUE(guidance.mated);
 }
 
+static void test_vehicle_that_cannot_come_inside_takes_more_of_the_tolerance_after_a_minute(void) {
+    pose_t beside = place_to_mate();
+    beside.p = vec3_add(beside.p, vec3(0, 0, 1.3 * DWELL_TIP_M)); // half of what is added by the end
+    arrive(beside, plan.event[0].t_s);
+    const double waited_s = steps_until_attempt(beside, 20 * 600) * STEP_S;
+    TEST_ASSERT_EQUAL(SSV_ATTEMPT_MATE, command.attempt);
+    TEST_ASSERT_DOUBLE_WITHIN(4 * STEP_S, (DWELL_PATIENCE_S + DWELL_MAX_S) / 2 + DWELL_INSIDE_S, waited_s);
+}
+
 /// @param counts  whether anything stands around. @return how far it has backed off in the end.
 static double give_up(bool counts) {
     pose_t beside = place_to_mate();
@@ -395,6 +404,7 @@ int main(void) {
     RUN_TEST(test_clock_waits_for_what_lags_along_the_path_and_not_for_what_is_ahead_or_beside_it);
     RUN_TEST(test_lost_across_the_path_asks_for_a_new_plan_and_lag_along_it_does_not);
     RUN_TEST(test_vehicle_mates_after_two_seconds_inside_the_tolerance_and_not_before);
+    RUN_TEST(test_vehicle_that_cannot_come_inside_takes_more_of_the_tolerance_after_a_minute);
     RUN_TEST(test_vehicle_that_stays_outside_the_tolerance_backs_off_comes_again_and_gives_up_at_rest);
     RUN_TEST(test_missed_attempt_backs_off_away_from_the_beam_and_out_of_the_port);
     RUN_TEST(test_docked_vehicle_gives_no_thrust);
