@@ -7,7 +7,8 @@
 
 #define PARTS_MAX 80     ///< beams times slots; their square is about the number of prices
 #define NODES_MAX 4000   ///< of the graph
-#define REST_MAX 1048576 ///< states of the smaller problem that are remembered, a power of two
+#define REST_MAX 2097152 ///< room for states of the smaller problem, a power of two; half of it is used at most
+#define STATES_PER_LOOK 1024
 
 /// Where the vehicle may be, and after which part.
 typedef struct {
@@ -29,6 +30,9 @@ struct bound {
     int num_nodes;
     rest_t* rests;
     int num_rests;
+    bool (*stop)(void* context); ///< asked now and then whether to give up the rest of the smaller problem
+    void* context;
+    bool given_up;
 };
 
 static int part_of(const bound_t* bound, int beam, int slot) { return beam * bound->structure->num_slots + slot; }
@@ -108,6 +112,8 @@ bound_t* bound_open(const structure_t* structure, const assembly_prices_t* price
     bool sound = bound != NULL;
     if (sound) {
         bound->structure = structure;
+        bound->stop = stop;
+        bound->context = context;
         bound->rests = calloc(REST_MAX, sizeof *bound->rests);
         for (int i = 0; i <= PARTS_MAX; i++) {
             for (int k = 0; k < PARTS_MAX; k++) bound->least[i][k] = INFINITY;
@@ -144,6 +150,7 @@ double bound_rest(bound_t* bound, set_t built, set_t used, bound_last_t last) {
     double cost = INFINITY;
     if (built == set_of(structure->num_slots) - 1) return 0;
     if (known->known) return known->cost;
+    if (bound->given_up) return 0;
     for (int s = 0; s < structure->num_slots; s++) {
         for (int b = 0; b < structure->num_beams && structure_may_build(structure, built, s); b++) {
             if (!structure_may_take(structure, used, b, s)) continue;
@@ -153,10 +160,10 @@ double bound_rest(bound_t* bound, set_t built, set_t used, bound_last_t last) {
             cost = fmin(cost, part + bound_rest(bound, built | set_of(s), used | set_of(b), next));
         }
     }
-    if (2 * bound->num_rests < REST_MAX) {
-        *rest_of(bound, built, used, before) = (rest_t){built, used, cost, before, true};
-        bound->num_rests++;
-    }
+    *rest_of(bound, built, used, before) = (rest_t){built, used, cost, before, true};
+    bound->num_rests++;
+    if (bound->num_rests % STATES_PER_LOOK == 0 && bound->stop(bound->context)) bound->given_up = true;
+    if (2 * bound->num_rests >= REST_MAX) bound->given_up = true;
     return cost;
 }
 

@@ -23,7 +23,7 @@ typedef struct {
 /// Whether the structure is not too large for this.
 bool bound_fits(const structure_t* structure);
 
-/// Asks for the prices, until `stop` says so.
+/// Asks for the prices, until `stop` says so, which is asked later, too.
 /// @return NULL if out of memory or stopped, if there are no prices to be had, or if the structure is too large for
 /// this.
 bound_t* bound_open(const structure_t* structure, const assembly_prices_t* prices, bool (*stop)(void* context),
@@ -32,7 +32,8 @@ bound_t* bound_open(const structure_t* structure, const assembly_prices_t* price
 /// The least price of one part; 0 if none is known.
 double bound_part(const bound_t* bound, bound_last_t last, int beam, int slot);
 
-/// The least price of all that is not built. INFINITY if the rules leave no way.
+/// The least price of all that is not built. INFINITY if the rules leave no way; less, and down to 0, where there were
+/// too many ways or no time to tell.
 double bound_rest(bound_t* bound, set_t built, set_t used, bound_last_t last);
 
 void bound_close(bound_t* bound);

@@ -11,7 +11,8 @@ import unittest
 from pathlib import Path
 
 BIN, LONG = Path(os.environ["SSV_BIN_DIR"]), os.environ.get("SSV_LONG")
-SIZES, LIMIT_S = ((6, 12, 24, 48, 96), 60) if LONG else ((12, 96), 10)
+# Slots and beams; 8 of 10 is the largest of which the smaller problem behind the bound is solved in full.
+SIZES, LIMIT_S = (((6, 6), (8, 10), (12, 12), (24, 24), (48, 48), (96, 96)), 60) if LONG else (((12, 12), (96, 96)), 10)
 EDGE_M, HUB_M = 3.81, 0.381  # from centre to centre of two hubs, and from a centre to its ports
 IN_SCENE = 64  # hubs and slots that can be in the way of a flight
 MEMORY_MAX_MB = 500
@@ -33,9 +34,9 @@ def lattice(num_edges):
     return nodes, edges[:num_edges]
 
 
-def structure(num_beams):
+def structure(num_slots, num_beams):
     """A truss in the water, and its beams in a rack of rows beside it."""
-    nodes, edges = lattice(num_beams)
+    nodes, edges = lattice(num_slots)
     lines, names, ports = [], {node: f"h{i}" for i, node in enumerate(nodes)}, {node: [] for node in nodes}
     slots = []
     for i, (one, other) in enumerate(edges):
@@ -78,23 +79,23 @@ def schedule(text):
 
 class Sizes(unittest.TestCase):
     def test_structures_of_up_to_96_beams_get_a_schedule(self):
-        print(f"\nbeams hubs obstacles  first s  {'J':>10}  gap after {LIMIT_S} s  to estimate  greedy  prices    MB", flush=True)
-        for num_beams in SIZES:
-            text, num_hubs = structure(num_beams)
+        print(f"\nslots beams hubs obstacles  first s  {'J':>10}  gap after {LIMIT_S} s  to estimate  greedy  prices    MB", flush=True)
+        for num_slots, num_beams in SIZES:
+            text, num_hubs = structure(num_slots, num_beams)
             start = time.monotonic()
             answer, memory_MB = schedule(text)
             found, search = answer["schedule"], answer["search"]
             gap = found["cost"] / found["lower_bound"] - 1 if found["lower_bound"] > 0 else None
-            print(f"{num_beams:5} {num_hubs:4} {'yes' if 'obstacles: true' in text else 'no':>9} {search['first_s']:8.1f} "
+            print(f"{num_slots:5} {num_beams:5} {num_hubs:4} {'yes' if 'obstacles: true' in text else 'no':>9} {search['first_s']:8.1f} "
                   f"{found['cost']:11.1f} {'no bound' if gap is None else f'{100 * gap:.1f} %':>16} "
                   f"{100 * (found['cost'] / found['estimated_least'] - 1):+11.1f} % "
                   f"{'-' if found['greedy_cost'] is None else '%+.1f %%' % (100 * (found['greedy_cost'] / found['cost'] - 1)):>7} "
                   f"{search['prices']:7} {memory_MB:5.0f}", flush=True)
-            self.assertEqual(sorted(int(part["slot"][1:]) for part in found["subtasks"]), list(range(num_beams)))
-            self.assertEqual(len({part["beam"] for part in found["subtasks"]}), num_beams)
+            self.assertEqual(sorted(int(part["slot"][1:]) for part in found["subtasks"]), list(range(num_slots)))
+            self.assertEqual(len({part["beam"] for part in found["subtasks"]}), num_slots)
             self.assertLess(memory_MB, MEMORY_MAX_MB)
             self.assertLess(time.monotonic() - start, LIMIT_S + 15)  # a round of prices, and the plans of the parts
-            if LONG and num_beams <= 6:
+            if LONG and num_slots <= 6:
                 self.assertLessEqual(gap, 0.05)
 
 
