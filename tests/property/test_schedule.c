@@ -73,9 +73,38 @@ static void stand(ssv_scene_t* scene, const double from[3], const double to[3], 
     if (length > 0) o->axis_I = vec3_unit(line);
 }
 
+/// A beam to a slot from there, with what is built in the way.
+static ssv_scenario_t task_of(const judge_t* judge, pose_t X_IS, uint64_t built, int last, int b, int s) {
+    const structure_t* const structure = judge->structure;
+    const structure_slot_t* const slot = &structure->slot[s];
+    const structure_beam_t* const beam = &structure->beam[b];
+    const structure_port_t* const port = &structure->hub[slot->hub[0]].port[slot->port[0]];
+    ssv_scenario_t task = judge->task;
+    task.X_IS = X_IS;
+    task.X_IB = (pose_t){vector_of(beam->p_IB_m),
+                         {real_from_double(beam->q_IB[0]), real_from_double(beam->q_IB[1]),
+                          real_from_double(beam->q_IB[2]), real_from_double(beam->q_IB[3])}};
+    task.p_IP_m = vector_of(port->p_IP_m);
+    task.axis_I = vector_of(port->axis_I);
+    if (structure->obstacles) {
+        task.scene = &judge->scene;
+        for (int h = 0; h < structure->num_hubs; h++) task.obstacles |= UINT64_C(1) << h;
+        task.obstacles |= built << structure->num_hubs;
+        task.left = last < 0 ? 0 : UINT64_C(1) << (structure->num_hubs + last);
+    }
+    return task;
+}
+
+static bool is_priced(const ssv_scenario_t* task, ssv_quote_t* quote) {
+    static ssv_work_t work;
+    ssv_problem_t problem;
+    ssv_fault_t fault;
+    TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, task, &fault));
+    return ssv_quote(&problem, &work, quote) == SSV_OK;
+}
+
 /// The least that the rest costs from here on.
 static double least(judge_t* judge, pose_t X_IS, uint64_t built, uint64_t used, int last) {
-    static ssv_work_t work;
     const structure_t* const structure = judge->structure;
     double best = INFINITY;
     if (built == (UINT64_C(1) << structure->num_slots) - 1) {
@@ -93,26 +122,9 @@ static double least(judge_t* judge, pose_t X_IS, uint64_t built, uint64_t used, 
             bool fits = (used >> b & 1) == 0 && (slot->beam < 0 || slot->beam == b);
             for (int k = 0; k < structure->num_slots; k++) fits = fits && (k == s || structure->slot[k].beam != b);
             if (!fits) continue;
-            const structure_beam_t* const beam = &structure->beam[b];
-            const structure_port_t* const port = &structure->hub[slot->hub[0]].port[slot->port[0]];
-            ssv_scenario_t task = judge->task;
-            ssv_problem_t problem;
-            ssv_fault_t fault;
+            const ssv_scenario_t task = task_of(judge, X_IS, built, last, b, s);
             ssv_quote_t quote;
-            task.X_IS = X_IS;
-            task.X_IB = (pose_t){vector_of(beam->p_IB_m),
-                                 {real_from_double(beam->q_IB[0]), real_from_double(beam->q_IB[1]),
-                                  real_from_double(beam->q_IB[2]), real_from_double(beam->q_IB[3])}};
-            task.p_IP_m = vector_of(port->p_IP_m);
-            task.axis_I = vector_of(port->axis_I);
-            if (structure->obstacles) {
-                task.scene = &judge->scene;
-                for (int h = 0; h < structure->num_hubs; h++) task.obstacles |= UINT64_C(1) << h;
-                task.obstacles |= built << structure->num_hubs;
-                task.left = last < 0 ? 0 : UINT64_C(1) << (structure->num_hubs + last);
-            }
-            TEST_ASSERT_EQUAL_INT(SSV_OK, ssv_problem_init(&problem, &task, &fault));
-            if (ssv_quote(&problem, &work, &quote) != SSV_OK) continue;
+            if (!is_priced(&task, &quote)) continue;
             best = fmin(best, real_to_double(quote.cost) + least(judge, rounded_pose(quote.X_IS_final),
                                                                  built | UINT64_C(1) << s, used | UINT64_C(1) << b, s));
         }
@@ -120,22 +132,29 @@ static double least(judge_t* judge, pose_t X_IS, uint64_t built, uint64_t used, 
     return best;
 }
 
-static double judged(const structure_t* structure, int* num_plans) {
-    static judge_t judge;
-    judge = (judge_t){.structure = structure};
-    ssv_scenario_from_wire(&judge.task, &structure->task, NULL);
+static void judge_init(judge_t* judge, const structure_t* structure) {
+    *judge = (judge_t){.structure = structure};
+    ssv_scenario_from_wire(&judge->task, &structure->task, NULL);
     for (int h = 0; h < structure->num_hubs; h++) {
-        stand(&judge.scene, structure->hub[h].p_IH_m, structure->hub[h].p_IH_m, structure->hub[h].radius_m);
+        stand(&judge->scene, structure->hub[h].p_IH_m, structure->hub[h].p_IH_m, structure->hub[h].radius_m);
     }
     for (int s = 0; s < structure->num_slots; s++) {
         const structure_slot_t* const slot = &structure->slot[s];
-        stand(&judge.scene, structure->hub[slot->hub[0]].port[slot->port[0]].p_IP_m,
+        stand(&judge->scene, structure->hub[slot->hub[0]].port[slot->port[0]].p_IP_m,
               structure->hub[slot->hub[1]].port[slot->port[1]].p_IP_m, structure->task.beam.radius_m);
     }
-    pose_t start = {vector_of(structure->p_IS_m),
+}
+
+static pose_t start_of(const structure_t* structure) {
+    return (pose_t){vector_of(structure->p_IS_m),
                     {real_from_double(structure->q_IS[0]), real_from_double(structure->q_IS[1]),
                      real_from_double(structure->q_IS[2]), real_from_double(structure->q_IS[3])}};
-    const double cost = least(&judge, rounded_pose(start), 0, 0, -1);
+}
+
+static double judged(const structure_t* structure, int* num_plans) {
+    static judge_t judge;
+    judge_init(&judge, structure);
+    const double cost = least(&judge, rounded_pose(start_of(structure)), 0, 0, -1);
     *num_plans = judge.num_plans;
     return cost;
 }
@@ -173,6 +192,35 @@ static void test_schedules_cost_what_the_best_of_all_orders_costs(void) {
            greedy_worse);
     TEST_ASSERT_GREATER_THAN_INT(count / 2, several);
     TEST_ASSERT_GREATER_THAN_INT(count / 8, greedy_worse);
+}
+
+/// One part after another: the second from where the first one's plan ends exactly, and from there as the scheduler
+/// rounds it.
+static void test_rounding_of_poses_changes_no_price(void) {
+    static judge_t judge;
+    int count = 0, otherwise = 0;
+    double worst = 0;
+    for (int k = 0; k < sweep_count(60, 600); k++) {
+        const structure_t structure = sample_structure(k);
+        judge_init(&judge, &structure);
+        ssv_quote_t first, exact, rough;
+        const ssv_scenario_t before = task_of(&judge, start_of(&structure), 0, -1, 0, 0);
+        if (!is_priced(&before, &first)) continue;
+        for (int s = 1; s < structure.num_slots; s++) {
+            const ssv_scenario_t task = task_of(&judge, first.X_IS_final, 1, 0, 1, s),
+                                 from_rounded = task_of(&judge, rounded_pose(first.X_IS_final), 1, 0, 1, s);
+            const bool has_price = is_priced(&task, &exact);
+            otherwise += has_price != is_priced(&from_rounded, &rough);
+            if (!has_price || rough.status != SSV_OK) continue;
+            count++;
+            worst = fmax(worst, fabs(real_to_double(rough.cost) / real_to_double(exact.cost) - 1));
+        }
+    }
+    printf("%d prices: rounding changes them by %.1e at most; %d have a plan in one case alone\n", count, worst,
+           otherwise);
+    TEST_ASSERT_GREATER_THAN_INT(40, count);
+    TEST_ASSERT_EQUAL_INT(0, otherwise);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, worst);
 }
 
 /// A random order of 0..count-1.
@@ -343,6 +391,7 @@ int main(void) {
     }
     UNITY_BEGIN();
     RUN_TEST(test_schedules_cost_what_the_best_of_all_orders_costs);
+    RUN_TEST(test_rounding_of_poses_changes_no_price);
     RUN_TEST(test_order_and_names_in_the_file_have_no_part_in_the_cost);
     RUN_TEST(test_where_it_all_is_has_no_part_in_the_cost);
     RUN_TEST(test_the_number_of_threads_changes_nothing);
