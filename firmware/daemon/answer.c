@@ -8,6 +8,8 @@
 #include "planner/model/fields.def"
 #include "ssv/check.h"
 
+#define DEG_PER_RAD 57.29577951308232
+
 static vec3_t vec3_from_wire(const double v[3]) {
     return vec3(real_from_double(v[0]), real_from_double(v[1]), real_from_double(v[2]));
 }
@@ -141,6 +143,14 @@ static lcm_ssv_clearance_t clearance_to_wire(const ssv_clearance_t* clearance) {
     return wire;
 }
 
+static lcm_ssv_arrival_t arrival_to_wire(const ssv_arrival_t* arrival) {
+    const lcm_ssv_arrival_t wire = {.rounding_m = real_to_double(arrival->rounding.position_m),
+                                    .rounding_rad = real_to_double(arrival->rounding.angle_rad),
+                                    .lines_m = real_to_double(arrival->lines.position_m),
+                                    .lines_rad = real_to_double(arrival->lines.angle_rad)};
+    return wire;
+}
+
 /// Appends to a reason of SSV_REASON_SIZE; what does not fit is cut.
 __attribute__((format(printf, 2, 3))) static void reason_add(char* reason, const char* format, ...) {
     const size_t used = strlen(reason);
@@ -163,6 +173,13 @@ static void reason_add_field(char* reason, const char* field, int index) {
 static void reason_add_overflow(char* reason) {
     reason_add(reason,
                "a number does not fit the planner's arithmetic, " REAL_NAME "; ask a planner that computes in double");
+}
+
+static void reason_add_miss(char* reason, const ssv_miss_t* miss) {
+    reason_add(reason,
+               "flown open loop its plan would end %.2g m and %.2g deg off by what " REAL_NAME
+               " rounds alone; ask a planner that computes in double",
+               real_to_double(miss->position_m), real_to_double(miss->angle_rad) * DEG_PER_RAD);
 }
 
 /// "[0, 0, 1]" for a direction of the vehicle.
@@ -367,7 +384,7 @@ static void quote_to_wire(const ssv_quote_t* quote, double margin_m, ssv_quote_p
     wire->status = status_to_wire(quote->status);
     if (quote->status == SSV_INFEASIBLE) {
         reason_add_candidates(wire->reason, wire);
-    } else if (quote->status == SSV_NUMERIC_OVERFLOW) {
+    } else if (quote->status == SSV_NUMERIC_OVERFLOW && wire->reason[0] == '\0') {
         reason_add_overflow(wire->reason);
     }
     if (quote->status != SSV_OK) {
@@ -385,7 +402,7 @@ static void quote_to_wire(const ssv_quote_t* quote, double margin_m, ssv_quote_p
     wire->X_IB_final = pose_to_wire(quote->X_IB_final);
 }
 
-static void motion_to_wire(const ssv_plan_t* plan, lcm_ssv_plan_t* wire) {
+static void motion_to_wire(const ssv_plan_t* plan, const ssv_arrival_t* arrival, lcm_ssv_plan_t* wire) {
     wire->plan_hash = (int64_t)plan->plan_hash;
     wire->num_legs = plan->num_legs;
     for (int i = 0; i < plan->num_legs; i++) {
@@ -406,6 +423,7 @@ static void motion_to_wire(const ssv_plan_t* plan, lcm_ssv_plan_t* wire) {
     }
     wire->X_SB = pose_to_wire(plan->X_SB);
     wire->clearance = clearance_to_wire(&plan->clearance);
+    wire->arrival = arrival_to_wire(arrival);
 }
 
 // ---- One scenario, in slices ----------------------------------------------------------------------------------------
@@ -471,6 +489,16 @@ void ssv_answer_begin(const lcm_ssv_task_t* question, const lcm_ssv_planner_t* p
     work_begin(&answer->working);
 }
 
+/// A plan that would arrive but for the arithmetic becomes a numeric overflow.
+static void refuse_what_misses(const ssv_working_t* working, ssv_plan_t* plan, ssv_arrival_t* arrival, char* reason) {
+    if (ssv_plan_arrival(&working->problem, plan, arrival)) return;
+    const uint64_t hash = plan->quote.scenario_hash;
+    memset(plan, 0, sizeof *plan);
+    plan->quote.status = SSV_NUMERIC_OVERFLOW;
+    plan->quote.scenario_hash = hash;
+    reason_add_miss(reason, &arrival->rounding);
+}
+
 bool ssv_answer_step(const lcm_ssv_task_t* question, ssv_answer_t* answer) {
     const lcm_ssv_scenario_t* scenario = &question->scenario;
     ssv_working_t* working = &answer->working;
@@ -480,8 +508,11 @@ bool ssv_answer_step(const lcm_ssv_task_t* question, ssv_answer_t* answer) {
             ssv_plan_begin(&working->problem, &working->work, &answer->plan);
             working->begun = true;
         } else if (ssv_plan_step(&working->work, &answer->plan)) {
+            ssv_arrival_t arrival = {{REAL(0), REAL(0)}, {REAL(0), REAL(0)}};
+            if (answer->plan.quote.status == SSV_OK)
+                refuse_what_misses(working, &answer->plan, &arrival, quote->reason);
             work_priced(scenario, &answer->plan.quote, working, &answer->parts, quote);
-            if (working->status == SSV_OK) motion_to_wire(&answer->plan, &answer->wire);
+            if (working->status == SSV_OK) motion_to_wire(&answer->plan, &arrival, &answer->wire);
         }
     }
     return working->stage == IS_ANSWERED;

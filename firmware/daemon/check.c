@@ -509,6 +509,16 @@ static bool check_clearance(const check_t* check, const lcm_ssv_task_t* task, co
     return true;
 }
 
+// Nobody who has the plan alone can tell what its planner's arithmetic rounded.
+static bool check_arrival(const check_t* check, const lcm_ssv_plan_t* plan) {
+    const lcm_ssv_arrival_t* const is = &plan->arrival;
+    const double miss[] = {is->rounding_m, is->rounding_rad, is->lines_m, is->lines_rad};
+    for (size_t i = 0; i < sizeof miss / sizeof *miss; i++) {
+        if (!(miss[i] >= 0) || !isfinite(miss[i])) return fail(check, "arrival: %.9g is no distance", miss[i]);
+    }
+    return true;
+}
+
 // Speed of the vehicle, of its turning, and of both ends of the beam, per unit of speed along a leg.
 static double speed_of(const lcm_ssv_leg_t* leg, const double p_S[3]) {
     double v[3];
@@ -575,5 +585,5 @@ bool ssv_check_plan(const lcm_ssv_task_t* task, const lcm_ssv_plan_t* plan, char
     }
     compose(&plan->quote.X_IS_final, &plan->X_SB, &X_IB);
     return check_same_pose(&check, "X_IB_final", &plan->quote.X_IB_final, &X_IB) &&
-           check_caps(&check, question, plan) && check_clearance(&check, task, plan);
+           check_caps(&check, question, plan) && check_clearance(&check, task, plan) && check_arrival(&check, plan);
 }

@@ -10,6 +10,11 @@
 #include "wire/names.h"
 
 #define DEG_PER_RAD 57.295779513082321
+// What ssv-replay judges by, and the least that is worth a number.
+#define JUDGED_MM 5.0
+#define JUDGED_DEG 0.5
+#define TOLD_MM 0.1
+#define TOLD_DEG 0.01
 
 static void phase_sums(const lcm_ssv_plan_t* plan, int8_t phase, double* time_s, double* impulse_Ns) {
     *time_s = 0;
@@ -181,6 +186,28 @@ static void clearance_line(FILE* out, const lcm_ssv_plan_t* plan) {
             clearance->leg + 1, plan->num_legs);
 }
 
+static bool is_missed(double off_m, double off_rad) {
+    return 1e3 * off_m > JUDGED_MM || off_rad * DEG_PER_RAD > JUDGED_DEG;
+}
+
+/// Where the timeline leads by itself, and if beside the goal, why.
+static void arrival_line(FILE* out, const lcm_ssv_arrival_t* arrival) {
+    const double off_m = arrival->lines_m + arrival->rounding_m, off_rad = arrival->lines_rad + arrival->rounding_rad;
+    if (is_missed(off_m, off_rad)) {
+        fprintf(
+            out,
+            "Open loop, even by exact thrusters, it misses by some %.1g m and %.1g deg, since %s: it needs guidance\n",
+            off_m, off_rad * DEG_PER_RAD,
+            is_missed(arrival->lines_m, arrival->lines_rad) ? "its motion is unstable" : "its arithmetic is coarse");
+    } else if (1e3 * off_m < TOLD_MM && off_rad * DEG_PER_RAD < TOLD_DEG) {
+        fprintf(out, "Open loop, by exact thrusters in still water, it arrives within some %g mm and %g deg\n", TOLD_MM,
+                TOLD_DEG);
+    } else {
+        fprintf(out, "Open loop, by exact thrusters in still water, it ends some %.1g mm and %.1g deg off\n",
+                1e3 * off_m, off_rad * DEG_PER_RAD);
+    }
+}
+
 static const char* base_name(const char* path) {
     const char* const slash = strrchr(path, '/');
     return slash == NULL ? path : slash + 1;
@@ -210,6 +237,7 @@ bool report_plan_table(FILE* out, const void* report) {
     fprintf(out, "Mates at height %+.4f m, ring angle %+.1f deg; contact %d docks\n", quote->choice.attach_height_m,
             quote->choice.ring_angle_rad * DEG_PER_RAD, quote->choice.contact);
     clearance_line(out, plan);
+    arrival_line(out, &plan->arrival);
     detail_tables(out, quote);
     fputc('\n', out);
     legs_table(out, plan);

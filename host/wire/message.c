@@ -31,6 +31,7 @@ static const lcm_type_info_t* info_of(const char* type) {
     } types[] = {
         {"answer_t", lcm_ssv_answer_t_get_type_info},
         {"arc_t", lcm_ssv_arc_t_get_type_info},
+        {"arrival_t", lcm_ssv_arrival_t_get_type_info},
         {"asker_t", lcm_ssv_asker_t_get_type_info},
         {"beam_t", lcm_ssv_beam_t_get_type_info},
         {"body_t", lcm_ssv_body_t_get_type_info},

@@ -17,7 +17,7 @@ from core import ROOT, run
 
 NEEDED = ("arm-none-eabi-gcc", "qemu-system-arm")
 IMAGES = [("m3", "fixed"), ("m4f", "fixed"), ("m4f", "float"), ("m7", "fixed"), ("m7", "float"), ("m7", "double")]
-API = ["ssv_problem_init", "ssv_plan", "ssv_quote", "ssv_front", "ssv_lower_bound", "ssv_plan_sample"]
+API = ["ssv_problem_init", "ssv_plan", "ssv_quote", "ssv_front", "ssv_lower_bound", "ssv_plan_arrival", "ssv_plan_sample"]
 # How far J may be from that of the double build on this machine, relative.
 COST_TOLERANCE = {"double": 1e-6, "fixed": 1e-4, "float": 1e-3}
 LONGEST_INTERRUPT = 128  # bytes of stack: what the core saves, and the tick's handler

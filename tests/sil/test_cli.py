@@ -805,6 +805,7 @@ PLAN_SHAPE = {
     "events": ["any", {"t_s": "real", "kind": "text"}],
     "X_SB": POSE,
     "clearance": {"certified_m": "real", "seen_m": "real", "leg": "integer", "s": "real", "body": "text", "obstacle": "integer"},
+    "arrival": {"rounding_m": "real", "rounding_rad": "real", "lines_m": "real", "lines_rad": "real"},
 }
 
 
@@ -1124,6 +1125,29 @@ class ScalarTest(InFolder):
         done = ssv("plan", path, "--scalar", "fixed", "--format", "json")
         quote = json.loads(done.stdout)["plan"]["quote"]
         self.assertEqual((done.returncode, quote["status"], quote["cost"]), (5, "numeric_overflow", 0))
+
+    def canted(self):
+        """Six thrusters around the hull, each tilted against the next, and a long way to go."""
+        model = (HOST / "models" / "ease.yaml").read_text()
+        lines = [line for line in model.splitlines() if "n_T_S: [" in line]
+        for i, line in enumerate(lines):
+            cos, sin, up = math.cos(math.radians(60 * i)), math.sin(math.radians(60 * i)), (-1) ** i
+            model = model.replace(line, f"    - {{p_ST_m: [{0.22695 * cos:.6f}, {0.22695 * sin:.6f}, {0.2 * up}], "
+                                        f"n_T_S: [{-0.7648 * up * sin:.9f}, {0.7648 * up * cos:.9f}, 0.64427]}}")
+        (self.folder / "mine.yaml").write_text(model)
+        return self.scenario(("model: ease", "model: mine.yaml"), ("p_IS_m: [0, 0, 0]", "p_IS_m: [-20, -10, 3]"), base=PORT1)
+
+    def test_a_scalar_whose_rounding_alone_leads_a_plan_astray_gives_none(self):
+        """Six thrusters tilted against each other: turns are made of small differences, of which float has few digits."""
+        path = self.canted()
+        plans = {scalar: self.answer("plan", path, "--scalar", scalar) for scalar in ("double", "fixed")}
+        for scalar, plan in plans.items():
+            arrival = plan["arrival"]
+            self.assertLess(arrival["rounding_m"] + arrival["lines_m"], 0.005, scalar)
+        done = ssv("plan", path, "--scalar", "float")
+        self.assertEqual((done.returncode, done.stdout), (5, ""), done)
+        self.assertRegex(done.stderr, r"^ssv: .*: flown open loop its plan would end [0-9.e-]+ m and [0-9.e-]+ deg off by what "
+                                      r"float rounds alone; ask a planner that computes in double\n$")
 
     def test_over_lcm_the_planner_must_be_of_the_scalar_asked_for(self):
         over_lcm = [f"--lcm={URL}", "--timeout", "20", "--scalar"]

@@ -116,6 +116,8 @@ static void one_arc_less(void) { answer.wire.num_arcs--; }
 static void jump_of_speed(void) { answer.wire.arcs[1].v_start *= 1.1; }
 static void gap_between_arcs(void) { answer.wire.arcs[1].t_s += 0.01; }
 static void arc_that_is_no_number(void) { answer.wire.arcs[0].dv_dt[1] = (double)NAN; }
+static void arrival_that_is_no_number(void) { answer.wire.arrival.lines_rad = (double)NAN; }
+static void arrival_beyond_the_goal(void) { answer.wire.arrival.rounding_m = -1e-9; }
 static void no_dock(void) { answer.wire.num_events = 1; }
 static void early_mate(void) { answer.wire.events[0].t_s *= 0.9; }
 
@@ -166,6 +168,8 @@ static const struct {
     {arc_that_is_no_number, "arc that is no number", "arcs[0]"},
     {no_dock, "no dock", "events: "},
     {early_mate, "early mate", "events[0]"},
+    {arrival_that_is_no_number, "arrival that is no number", "arrival"},
+    {arrival_beyond_the_goal, "arrival beyond the goal", "arrival"},
 };
 
 static void test_each_kind_of_forgery_is_refused_with_its_own_reason(void) {

@@ -143,6 +143,7 @@ static void random_plan(lcm_ssv_plan_t* plan) {
     plan->clearance = (lcm_ssv_clearance_t){
         random_double(),      random_double(), (int8_t)random_bits(), random_double(), (int8_t)(random_bits() % 2),
         (int8_t)random_bits()};
+    plan->arrival = (lcm_ssv_arrival_t){random_double(), random_double(), random_double(), random_double()};
 }
 
 static void random_body(lcm_ssv_body_t* body) {

@@ -136,6 +136,17 @@ typedef struct {
     ssv_candidate_t candidate[SSV_MAX_CANDIDATES];
 } ssv_quote_t;
 
+/// How far from a goal.
+typedef struct {
+    real_t position_m, angle_rad;
+} ssv_miss_t;
+
+/// How far from its goals a timeline ends open loop, the farther of mate and dock: by what the scalar rounds, and by
+/// what straight lines leave of the thrusts. Up to 1000 m and rad.
+typedef struct {
+    ssv_miss_t rounding, lines;
+} ssv_arrival_t;
+
 /// The answer. Unless the quote's status is SSV_OK only the quote is meaningful, the rest is zero.
 typedef struct {
     ssv_quote_t quote;

@@ -35,6 +35,7 @@
 #define ssv_scenario_hash SSV_NAME(ssv_scenario_hash)
 #define ssv_scene_check SSV_NAME(ssv_scene_check)
 #define ssv_plan_clearance SSV_NAME(ssv_plan_clearance)
+#define ssv_plan_arrival SSV_NAME(ssv_plan_arrival)
 #define ssv_lower_bound SSV_NAME(ssv_lower_bound)
 #define ssv_quote SSV_NAME(ssv_quote)
 #define ssv_quote_begin SSV_NAME(ssv_quote_begin)
@@ -121,6 +122,15 @@ ssv_status_t ssv_problem_init(ssv_problem_t* problem, const ssv_scenario_t* scen
 /// Checks a scene, and that there is an obstacle for each bit of the mask. @return SSV_OK, or a negative status; then
 /// *fault says which field.
 ssv_status_t ssv_scene_check(const ssv_scene_t* scene, uint64_t obstacles, ssv_fault_t* fault);
+
+/// Where a plan for this problem ends if its timeline is flown open loop, by exact thrusters in still water: estimated
+/// from the difference between the wrench of each line and what the motion asks for, carried through the linearised
+/// motion of the body. The plan must be SSV_OK. Every field of *arrival is written. Within a power of ten of most
+/// flights (DESIGN.md 7). Costs about as much as the plan.
+/// @return false if the scalar cannot hold the task: its rounding alone leads beside the goal, where lines would
+/// arrive.
+///         Where the lines miss, too, flying open loop is unstable, and more digits are no help.
+bool ssv_plan_arrival(const ssv_problem_t* problem, const ssv_plan_t* plan, ssv_arrival_t* arrival);
 
 /// How far a plan for this problem stays away from a scene, its own or one that was seen later: is the plan still good?
 /// The plan must be SSV_OK, and the scene have passed ssv_scene_check with this mask. Every field of *clearance is

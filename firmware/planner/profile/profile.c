@@ -14,15 +14,19 @@
 // One arc of a profile is the cruise, the others are arcs of its two ramps.
 #define MAX_RAMP_ARCS (SSV_MAX_PROFILE_ARCS - 1)
 
-real_t ssv_arc_speed(const ssv_arc_t* arc, real_t t_s) {
-    SSV_ASSERT(!(t_s < REAL(0)) && !(arc->v_start < REAL(0)) && !(arc->v_end < REAL(0)));
+real_t ssv_arc_speed_free(const ssv_arc_t* arc, real_t t_s) {
     if (arc->v_start == arc->v_end) return arc->v_start;
     // From the end that is farther from a terminal speed. There the time says exactly what the speed is; at the other
     // end the speed hardly depends on it.
     const real_t a_start = real_abs(ssv_quadratic_at(arc->dv_dt, arc->v_start));
     const real_t a_end = real_abs(ssv_quadratic_at(arc->dv_dt, arc->v_end));
-    const real_t v = a_start >= a_end ? ssv_speed_after(arc->dv_dt, arc->v_start, t_s)
-                                      : ssv_speed_after(arc->dv_dt, arc->v_end, t_s - arc->duration_s);
+    return a_start >= a_end ? ssv_speed_after(arc->dv_dt, arc->v_start, t_s)
+                            : ssv_speed_after(arc->dv_dt, arc->v_end, t_s - arc->duration_s);
+}
+
+real_t ssv_arc_speed(const ssv_arc_t* arc, real_t t_s) {
+    SSV_ASSERT(!(t_s < REAL(0)) && !(arc->v_start < REAL(0)) && !(arc->v_end < REAL(0)));
+    const real_t v = ssv_arc_speed_free(arc, t_s);
     return real_max(real_min(arc->v_start, arc->v_end), real_min(real_max(arc->v_start, arc->v_end), v));
 }
 

@@ -56,6 +56,10 @@ void ssv_profile_price_ramps(const ssv_thrusts_t* thrusts, const ssv_rule_t* rul
 /// Speed of an arc at a time since its start, 0 <= t_s <= arc->duration_s.
 real_t ssv_arc_speed(const ssv_arc_t* arc, real_t t_s);
 
+/// The same by the arc's accelerations alone, from the end that says it best; at the other end, and outside the arc, it
+/// is not quite what the arc says.
+real_t ssv_arc_speed_free(const ssv_arc_t* arc, real_t t_s);
+
 /// Integrals of an arc between two of its speeds that are time_s apart.
 ssv_moments_t ssv_arc_moments(const ssv_arc_t* arc, real_t v_from, real_t v_to, real_t time_s);
 
