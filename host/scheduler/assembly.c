@@ -23,6 +23,9 @@
 
 #define PRICES_PER_TURN 256
 
+/// About how many prices the search asks for ahead.
+#define LOOK_AHEAD 256
+
 /// Beyond so many parts the cheapest of all each time takes too many prices.
 #define GREEDY_PARTS_MAX 300
 
@@ -134,23 +137,29 @@ static bool is_of_use(const assembly_t* assembly, double promise) {
     return assembly->spent + promise < fmin(best, assembly->below);
 }
 
-/// Finds all parts that may come next, and has those priced that are of use. @return false if that was in vain.
-static bool find_choices(assembly_t* assembly) {
+/// Adds a question for every part that may come next and is of use. @return how many there are now; `useless`, which
+/// may be NULL, takes the others.
+static int add_questions(assembly_t* assembly, int count, choices_t* useless) {
     const structure_t* const structure = assembly->structure;
-    choices_t* const choices = &assembly->at[assembly->num_built];
-    int count = 0;
-    choices->count = 0;
     for (int s = 0; s < structure->num_slots; s++) {
         for (int b = 0; b < structure->num_beams && structure_may_build(structure, assembly->built, s); b++) {
             if (!structure_may_take(structure, assembly->used, b, s)) continue;
             const double promise = least_of_part(assembly, b, s) + rest_after(assembly, b, s);
             if (is_of_use(assembly, promise)) {
                 assembly->questions[count++] = question_of(assembly, b, s);
-            } else {
-                choices->choice[choices->count++] = (choice_t){.beam = b, .slot = s, .promise = promise};
+            } else if (useless != NULL) {
+                useless->choice[useless->count++] = (choice_t){.beam = b, .slot = s, .promise = promise};
             }
         }
     }
+    return count;
+}
+
+/// Finds all parts that may come next, and has those priced that are of use. @return false if that was in vain.
+static bool find_choices(assembly_t* assembly) {
+    choices_t* const choices = &assembly->at[assembly->num_built];
+    choices->count = 0;
+    const int count = add_questions(assembly, 0, choices);
     if (!assembly->prices.ask(assembly->prices.context, assembly->questions, count, assembly->answers)) {
         assembly->in_vain = true;
         return false;
@@ -216,6 +225,27 @@ static void undo(void* state, const htn_task_t* task, const void* undo) {
 
 _Static_assert(sizeof(choice_t) <= HTN_MAX_UNDO, "what is undone must fit");
 
+/// Asks at once for what the search would ask for choice by choice: whoever answers in parallel then has enough to do.
+static void look_ahead(assembly_t* assembly) {
+    const choices_t* const choices = &assembly->at[assembly->num_built];
+    const before_t here = {assembly->pose, assembly->last, assembly->spent};
+    const set_t built = assembly->built, used = assembly->used;
+    int count = 0;
+    for (int i = 0; i < choices->count && count <= LOOK_AHEAD; i++) {
+        if (!is_of_use(assembly, choices->choice[i].promise)) break;
+        fly_to_beam(assembly, &choices->choice[i]);
+        dock(assembly);
+        count = add_questions(assembly, count, NULL);
+        assembly->num_built--;
+        assembly->built = built;
+        assembly->used = used;
+        assembly->pose = here.pose;
+        assembly->last = here.last;
+        assembly->spent = here.spent;
+    }
+    assembly->in_vain = !assembly->prices.ask(assembly->prices.context, assembly->questions, count, assembly->answers);
+}
+
 static htn_binding_t method(void* state, const htn_task_t* task, int number, int binding, htn_subtasks_t* subtasks) {
     assembly_t* const assembly = state;
     const choices_t* const choices = &assembly->at[assembly->num_built];
@@ -231,6 +261,8 @@ static htn_binding_t method(void* state, const htn_task_t* task, int number, int
     if (done || assembly->in_vain || (binding == 0 && !find_choices(assembly)) || binding >= choices->count) {
         return HTN_NO_MORE;
     }
+    if (binding == 0 && assembly->bound != NULL) look_ahead(assembly);
+    if (assembly->in_vain) return HTN_NO_MORE;
     const choice_t* const choice = &choices->choice[binding];
     subtasks->task[0] = (htn_task_t){ASSEMBLE_PART, {choice->beam, choice->slot, binding}};
     subtasks->task[1] = (htn_task_t){ASSEMBLE_STRUCTURE, {0}};
@@ -345,8 +377,8 @@ static bool found(void* context, const htn_plan_t* plan) {
 static bool make_room(assembly_t* assembly) {
     const structure_t* const structure = assembly->structure;
     const size_t most = (size_t)structure->num_beams * (size_t)structure->num_slots;
-    assembly->questions = calloc(most, sizeof *assembly->questions);
-    assembly->answers = calloc(most, sizeof *assembly->answers);
+    assembly->questions = calloc(LOOK_AHEAD + most, sizeof *assembly->questions);
+    assembly->answers = calloc(LOOK_AHEAD + most, sizeof *assembly->answers);
     bool sound = assembly->questions != NULL && assembly->answers != NULL;
     for (int i = 0; i <= structure->num_slots; i++) {
         assembly->at[i].choice = calloc(most, sizeof *assembly->at[i].choice);
