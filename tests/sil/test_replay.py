@@ -105,7 +105,8 @@ def hand_made_plan():
             "plan_hash": "0" * 16, "legs": legs, "arcs": [], "segments": segments,
             "events": [{"t_s": 68.0, "kind": "mate"}, {"t_s": 108.0, "kind": "dock"}],
             "X_SB": nowhere,
-            "clearance": {"certified_m": 0.0, "seen_m": 0.0, "leg": 0, "s": 0.0, "body": "vehicle", "obstacle": -1}},
+            "clearance": {"certified_m": 0.0, "seen_m": 0.0, "leg": 0, "s": 0.0, "body": "vehicle", "obstacle": -1},
+            "arrival": {"rounding_m": 0.0, "rounding_rad": 0.0, "lines_m": 0.0, "lines_rad": 0.0}},
     }
 
 
@@ -342,8 +343,9 @@ class Clearance(unittest.TestCase):
 class Verdict(unittest.TestCase):
     """Every plan is judged, or it is said why not; and soon."""
 
-    def planned(self, task, *options):
-        """The text of a plan; the task is a dictionary, its model the name of one or a dictionary too."""
+    def planned(self, task, *options, held=True):
+        """The text of a plan; the task is a dictionary, its model the name of one or a dictionary too. None if the scalar
+        cannot hold the task, which it may only where `held` is false."""
         with tempfile.TemporaryDirectory() as folder:
             model = task["model"]
             if not isinstance(model, str):
@@ -352,6 +354,8 @@ class Verdict(unittest.TestCase):
             (Path(folder) / "task.yaml").write_text(json.dumps(task | {"model": model}))
             run = subprocess.run([BIN / "ssv", "plan", Path(folder) / "task.yaml", *options, "--format", "json"],
                                  capture_output=True, timeout=300, check=False)
+            if not held and run.returncode == 5 and b" rounds alone; ask a planner" in run.stderr:
+                return None
             self.assertEqual(run.returncode, 0, run.stderr.decode())
         return run.stdout
 
@@ -366,14 +370,17 @@ class Verdict(unittest.TestCase):
             return [draws.uniform(-8, 8) for _ in range(3)]
 
         for scalar, method in itertools.product(("double", "float", "fixed"), ("optimal", "paper")):
-            draws, within = random.Random(20261204), 0
+            draws, within, refused = random.Random(20261204), 0, 0
             for k in range(count):
                 axis = [draws.gauss(0, 1) for _ in range(3)]
                 task = {"model": draws.choice(["ease", "paper"]), "vehicle": {"p_IS_m": place(), "q_IS": quaternion()},
                         "beam": {"p_IB_m": place(), "q_IB": quaternion(), "contact": "either"},
                         "port": {"p_IP_m": place(), "axis_I": [x / math.hypot(*axis) for x in axis]},
                         "weights": dict(zip(("time", "impulse"), draws.choice([(1, 0), (1, 0.1), (1, 1), (0.01, 1)])))}
-                plan = self.planned(task, "--scalar", scalar, "--method", method)
+                plan = self.planned(task, "--scalar", scalar, "--method", method, held=scalar == "double")
+                if plan is None:
+                    refused += 1
+                    continue
                 run = replay(plan, "--format", "json")
                 with self.subTest(scalar=scalar, method=method, case=k):
                     self.assertIn(run.returncode, (0, 3), run.stderr.decode())
@@ -381,7 +388,8 @@ class Verdict(unittest.TestCase):
                     outside = json.loads(run.stdout)["outside"]
                     self.assertFalse([name for name in outside if name.split(".")[0] in ("thrust", "impulse", "time")], outside)
                     within += run.returncode == 0
-            print(f"{scalar:<7} {method:<8} {within} of {count} within every tolerance")
+            print(f"{scalar:<7} {method:<8} {within} of {count} within every tolerance, {refused} beyond the scalar")
+            self.assertLess(refused, count / 5)
 
     def test_flights_of_100_and_300_m_are_judged_within_seconds(self):
         for far_m in (100.0, 300.0):
