@@ -48,6 +48,16 @@ def wait_until(condition, what):
         time.sleep(0.01)
 
 
+def shown_by_readme():
+    """The lines of the demo that README shows, but for the one that has the time it took."""
+    readme = (SOURCE / "README.md").read_text()
+    tables = readme.split("and before it with this:\n")[1].split("\n## ")[0]
+    flight = readme.split("noise of 5 mm and 0.5 deg:\n")[1].split("\nCtrl-C")[0]
+    lines = [line for line in (tables + flight).splitlines() if line.strip() and "times real time" not in line]
+    assert len(lines) > 20
+    return lines
+
+
 class TablesTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -95,6 +105,9 @@ class TablesTest(unittest.TestCase):
                       ": hit, attempt"):
             self.assertIn(words, done.stdout)
         self.assertLessEqual(max(map(len, done.stdout.splitlines())), 120)
+        printed = [line.split() for line in done.stdout.splitlines()]
+        for line in shown_by_readme():
+            self.assertTrue(line.split() in printed, f"README shows what the demo does not print: {line}")
         lines = [line for line in done.stdout.splitlines() if line.startswith("for ")]
         ours = [line.split("(")[2].split()[-1] for line in lines]
         self.assertEqual(ours, ["2", "1"], "time favours the middle, fuel the end far from the contact")
