@@ -214,12 +214,16 @@ class Planners(Faults):
 
 
 class Interrupted(Faults):
-    def interrupt(self, number, *arguments):
+    def interrupt(self, number, *arguments, is_begun=lambda: True):
+        """Ends a search that is some seconds old, and has begun what the test is about, however busy the machine is."""
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "schedule.json"
             structure = (SOURCE / "host/structures/rack_of_12.yaml").read_text()
             asker = self.start("--format", "json", "--output", path, *arguments, text=structure)
             time.sleep(3)
+            deadline_s = time.monotonic() + 60
+            while not is_begun() and time.monotonic() < deadline_s:
+                time.sleep(0.1)
             self.assertIsNone(asker.poll(), "too short a search for this test")
             asker.send_signal(number)
             stdout, stderr = asker.communicate(timeout=20)
@@ -242,7 +246,7 @@ class Interrupted(Faults):
             answers.append(data)
             return [(0, data)] if len(answers) <= 60 else []
         self.relay(fall_silent)
-        schedule = self.interrupt(signal.SIGINT, "--lcm", self.asker_url, "--timeout", "100")
+        schedule = self.interrupt(signal.SIGINT, "--lcm", self.asker_url, "--timeout", "100", is_begun=lambda: len(answers) > 60)
         self.assertGreater(len(answers), 60)
         self.assertFalse(schedule["optimal"])
 
