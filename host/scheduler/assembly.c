@@ -225,25 +225,27 @@ static void undo(void* state, const htn_task_t* task, const void* undo) {
 
 _Static_assert(sizeof(choice_t) <= HTN_MAX_UNDO, "what is undone must fit");
 
-/// Asks at once for what the search would ask for choice by choice: whoever answers in parallel then has enough to do.
-static void look_ahead(assembly_t* assembly) {
+/// Asks at once for what the proof would ask for choice by choice: whoever answers in parallel then has enough to do.
+/// @return false if that was in vain.
+static bool look_ahead(assembly_t* assembly) {
     const choices_t* const choices = &assembly->at[assembly->num_built];
-    const before_t here = {assembly->pose, assembly->last, assembly->spent};
-    const set_t built = assembly->built, used = assembly->used;
     int count = 0;
+    if (assembly->bound == NULL) return true;
     for (int i = 0; i < choices->count && count <= LOOK_AHEAD; i++) {
-        if (!is_of_use(assembly, choices->choice[i].promise)) break;
-        fly_to_beam(assembly, &choices->choice[i]);
-        dock(assembly);
+        const choice_t* const choice = &choices->choice[i];
+        const htn_task_t flight = {FLY_TO_BEAM, {choice->beam, choice->slot, i}};
+        const htn_task_t carrying = {FLY_BEAM_TO_HUB, {choice->beam, choice->slot, i}};
+        unsigned char flown[HTN_MAX_UNDO], carried[HTN_MAX_UNDO];
+        double cost;
+        if (!is_of_use(assembly, choice->promise)) break;
+        apply(assembly, &flight, flown, &cost);
+        apply(assembly, &carrying, carried, &cost);
         count = add_questions(assembly, count, NULL);
-        assembly->num_built--;
-        assembly->built = built;
-        assembly->used = used;
-        assembly->pose = here.pose;
-        assembly->last = here.last;
-        assembly->spent = here.spent;
+        undo(assembly, &carrying, carried);
+        undo(assembly, &flight, flown);
     }
     assembly->in_vain = !assembly->prices.ask(assembly->prices.context, assembly->questions, count, assembly->answers);
+    return !assembly->in_vain;
 }
 
 static htn_binding_t method(void* state, const htn_task_t* task, int number, int binding, htn_subtasks_t* subtasks) {
@@ -258,11 +260,10 @@ static htn_binding_t method(void* state, const htn_task_t* task, int number, int
         return HTN_BOUND;
     }
     if (number == 0) return binding == 0 && done ? HTN_BOUND : HTN_NO_MORE;
-    if (done || assembly->in_vain || (binding == 0 && !find_choices(assembly)) || binding >= choices->count) {
+    if (done || assembly->in_vain || (binding == 0 && !(find_choices(assembly) && look_ahead(assembly))) ||
+        binding >= choices->count) {
         return HTN_NO_MORE;
     }
-    if (binding == 0 && assembly->bound != NULL) look_ahead(assembly);
-    if (assembly->in_vain) return HTN_NO_MORE;
     const choice_t* const choice = &choices->choice[binding];
     subtasks->task[0] = (htn_task_t){ASSEMBLE_PART, {choice->beam, choice->slot, binding}};
     subtasks->task[1] = (htn_task_t){ASSEMBLE_STRUCTURE, {0}};
