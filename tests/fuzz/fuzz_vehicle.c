@@ -32,8 +32,9 @@ static uint64_t plan_hash; ///< of the timeline that was uploaded last
 static ssv_link_beat_t beat[NUM_SENDERS];
 static int64_t beat_us[NUM_SENDERS]; ///< when the sender's last beat was sent
 static uint32_t trim_sequence;
-static int beating;    ///< what the planner sends while ticks pass
-static bool navigates; ///< whether navigation comes while ticks pass
+static int beating;        ///< what the planner sends while ticks pass
+static bool navigates;     ///< whether navigation comes while ticks pass
+static int64_t braking_us; ///< the last moment before it braked
 static ssv_link_pose_t pose;
 /// Whose beats keep the flight alive, and when the last one did that may.
 static struct {
@@ -150,6 +151,7 @@ static void send(int from, ssv_packet_t* packet) {
     const size_t length = ssv_wire_send(&sender[from], now_us, packet, frame);
     ssv_vehicle_receive(&vehicle, now_us, frame, length);
     check_change(by_command, before);
+    if (before != SSV_LINK_BRAKING) braking_us = now_us; // it may have braked before, and be started anew since
     if (is_flying(vehicle.state.phase) && !is_flying(before)) {
         check(now_us - beat_us[from] <= config.beat_warn_us && vehicle.state.pose.known);
         bound.from = from;
@@ -173,7 +175,6 @@ static void send_beat(int from) {
 }
 
 static void tick(void) {
-    static int64_t braking_us; // the last moment before it braked
     const ssv_link_phase_t before = vehicle.state.phase;
     now_us += SSV_VEHICLE_TICK_US;
     ssv_vehicle_tick(&vehicle, now_us, &output);
@@ -359,6 +360,7 @@ static void begin(uint8_t how) {
     trim_sequence = 0;
     beating = NO_BEATS;
     navigates = false;
+    braking_us = 0;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
