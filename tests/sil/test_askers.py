@@ -239,18 +239,18 @@ class Strangers(Bus):
         forged.quote.cost, forged.quote.cost_lower_bound, forged.quote.choice.contact = 1e-3, 5.0, 2
         for segment in forged.segments:
             segment.u_start_N = segment.u_end_N = [1e6] * 6
-        stop, sent = threading.Event(), []
+        stop, sent, bus = threading.Event(), [], lcm.LCM(self.url)
+
+        def answer(_channel, data):
+            head = forged.answer.asker
+            head.asker_id, head.request_id, head.epoch_us, head.planner_id = struct.unpack_from(">4q", data, 8)
+            bus.publish("SSV_PLAN", forged.encode())
+            sent.append(head.request_id)
+        bus.subscribe("SSV_SCENARIO", answer).set_queue_capacity(1000)
 
         def spoof():
-            bus = lcm.LCM(self.url)
-            def answer(_channel, data):
-                head = forged.answer.asker
-                head.asker_id, head.request_id, head.epoch_us, head.planner_id = struct.unpack_from(">4q", data, 8)
-                bus.publish("SSV_PLAN", forged.encode())
-                sent.append(head.request_id)
-            bus.subscribe("SSV_SCENARIO", answer)
-            while not stop.is_set():
-                bus.handle_timeout(100)
+            while bus.handle_timeout(100) or not stop.is_set():
+                pass
 
         thread = threading.Thread(target=spoof)
         thread.start()
@@ -262,6 +262,8 @@ class Strangers(Bus):
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertEqual(json.loads(done.stdout)["plan"]["plan_hash"], self.here["plan"]["plan_hash"])
             refused += "refused an answer on SSV_PLAN" in done.stderr
+        stop.set()
+        thread.join()
         print(f"{len(sent)} forged answers to 200 questions, {refused} came first and were refused, none was taken", flush=True)
         self.assertGreaterEqual(len(sent), 200)
         self.assertGreater(refused, 0, "the stranger never came first, so this tells nothing")

@@ -60,8 +60,8 @@ class Assembly(unittest.TestCase):
         bus.subscribe("SSV_SCHEDULE", lambda _, data: heard.append(messages.schedule_t.decode(data)))
 
         def listen():
-            while not ended.is_set():
-                bus.handle_timeout(100)
+            while bus.handle_timeout(100) or not ended.is_set():
+                pass
         listener = threading.Thread(target=listen)
         listener.start()
         try:

@@ -73,8 +73,8 @@ class Listener(threading.Thread):
         self.start()
 
     def run(self):
-        while not self.ended:
-            self.bus.handle_timeout(100)
+        while self.bus.handle_timeout(100) or not self.ended:
+            pass
 
     def of(self, channel, kind):
         return [kind.decode(data) for name, data in list(self.heard) if name == channel]
